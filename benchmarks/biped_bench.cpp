@@ -19,7 +19,7 @@
 namespace {
 
 using namespace furcula::dynamics::biped;
-using furcula::dynamics::Lanes;
+using furcula::dynamics::SimdBatch;
 using furcula::dynamics::ValueOf;
 
 template <class T>
@@ -88,8 +88,8 @@ void biped_forward(benchmark::State& state) {
 }
 BENCHMARK(biped_forward<double, false>)->Name("biped_accelerations");
 BENCHMARK(biped_forward<double, true>)->Name("biped_accelerations_turned");
-BENCHMARK(biped_forward<Lanes<double, 4>, false>)->Name("biped_accelerations/4_double");
-BENCHMARK(biped_forward<Lanes<float, 8>, false>)->Name("biped_accelerations/8_float");
+BENCHMARK(biped_forward<SimdBatch<double, 4>, false>)->Name("biped_accelerations/4_double");
+BENCHMARK(biped_forward<SimdBatch<float, 8>, false>)->Name("biped_accelerations/8_float");
 
 /// Drives, accelerations and integration of a robot with turned joints, its 8 vertices 1 mm in the ground at the start of each step.
 void biped_step_turned(benchmark::State& state) {
@@ -144,9 +144,9 @@ void biped_step(benchmark::State& state) {
 }
 BENCHMARK(biped_step<double, false>)->Name("biped_step");
 BENCHMARK(biped_step<double, true>)->Name("biped_step_any_mode");
-BENCHMARK(biped_step<Lanes<double, 4>, false>)->Name("biped_step/4_double");
-BENCHMARK(biped_step<Lanes<float, 8>, false>)->Name("biped_step/8_float");
-BENCHMARK(biped_step<Lanes<float, 8>, true>)->Name("biped_step_any_mode/8_float");
+BENCHMARK(biped_step<SimdBatch<double, 4>, false>)->Name("biped_step/4_double");
+BENCHMARK(biped_step<SimdBatch<float, 8>, false>)->Name("biped_step/8_float");
+BENCHMARK(biped_step<SimdBatch<float, 8>, true>)->Name("biped_step_any_mode/8_float");
 
 #ifdef FURCULA_MUJOCO
 /// mj_fwdPosition, mj_fwdVelocity, mj_fwdActuation, mj_fwdAcceleration.

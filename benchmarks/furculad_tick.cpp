@@ -1,4 +1,4 @@
-// What a tick of furculad takes on this computer, in real time: its loop, node, CAN socket and hatch, with a
+// What a tick of furculad takes on this computer, in real time: its loop, node, CAN socket and mailbox, with a
 // pair of local sockets in the place of the bus and a pipe in that of the switch's line. As many system calls
 // a tick as on a robot; what is not in it are the kernel's CAN and GPIO layers and their drivers.
 //   furculad_tick [SECONDS]
@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "boards/linux_sbc/board.hpp"
-#include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
+#include "boards/linux_sbc/mailbox.hpp"
 #include "boards/linux_sbc/realtime.hpp"
 #include "firmware/app/node.hpp"
 #include "firmware/app/node_registers.hpp"
@@ -81,7 +81,7 @@ struct Stand {
   linux_sbc::Configuration configuration;
   std::atomic<bool> stop{false}, quiet{false};
   linux_sbc::LoopFigures figures;
-  linux_sbc::Hatch hatch;
+  linux_sbc::Mailbox mailbox;
 };
 
 /// Drive and encoder of a robot that stands: they answer each tick. Every 50 ms the switch bounces.
@@ -106,9 +106,9 @@ void play_devices(Stand& stand, int priority) {
 }
 
 /// Reads all of its registers, as `furcula monitor` does, but fifty times a second; and makes it run.
-void play_desk(Stand& stand) {
+void play_host(Stand& stand) {
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  const auto session = [&] { return stand.hatch.ask(std::array<std::uint8_t, 5>{4, 0, 5, 0, 1}); };
+  const auto session = [&] { return stand.mailbox.ask(std::array<std::uint8_t, 5>{4, 0, 5, 0, 1}); };
   for (const bus::Request request : {bus::Request::arm, bus::Request::hop}) {
     const bus::Response s = session();
     const std::array<std::uint8_t, 12> write{16,
@@ -123,10 +123,10 @@ void play_desk(Stand& stand) {
                                              s.bytes[3],
                                              0,
                                              static_cast<std::uint8_t>(request)};
-    static_cast<void>(stand.hatch.ask(write));
+    static_cast<void>(stand.mailbox.ask(write));
   }
   while (!stand.quiet) {
-    static_cast<void>(stand.hatch.ask(
+    static_cast<void>(stand.mailbox.ask(
         std::array<std::uint8_t, 5>{4, 0, 0, 0, static_cast<std::uint8_t>(bus::kInputWords)}));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
@@ -153,14 +153,14 @@ int main(int argc, char** argv) {
   const auto ticks = static_cast<std::size_t>(1000.0 * seconds);
   std::vector<std::uint32_t> took_us(ticks);
   std::fputs((linux_sbc::lock_memory() + "\n").c_str(), stderr);
-  std::thread devices(play_devices, std::ref(stand), 79), desk(play_desk, std::ref(stand));
+  std::thread devices(play_devices, std::ref(stand), 79), host(play_host, std::ref(stand));
   const std::string warning = linux_sbc::run_first_in_first_out(80);
   linux_sbc::touch_stack();
   std::size_t ran = 0;
   constexpr std::size_t kSettled = 500;
   for (std::size_t tick = 0; tick < ticks + kSettled; ++tick) {
     static_cast<void>(board.wait_for_tick());
-    linux_sbc::run_tick(board, node, registers, stand.hatch);
+    linux_sbc::run_tick(board, node, registers, stand.mailbox);
     // From when it woke, a microsecond at most too much: that is rounded down.
     const auto now_us = static_cast<std::uint32_t>((core::monotonic_ns() + 999) / 1000);
     if (tick < kSettled) continue;
@@ -169,7 +169,7 @@ int main(int argc, char** argv) {
   }
   stand.quiet = true;
   devices.join();
-  desk.join();
+  host.join();
 
   std::sort(took_us.begin(), took_us.end());
   const auto share = [&](double s) {

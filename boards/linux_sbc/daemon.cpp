@@ -17,8 +17,8 @@
 #include <string>
 
 #include "boards/linux_sbc/board.hpp"
-#include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
+#include "boards/linux_sbc/mailbox.hpp"
 #include "boards/linux_sbc/notify.hpp"
 #include "boards/linux_sbc/parameter_writer.hpp"
 #include "boards/linux_sbc/realtime.hpp"
@@ -73,7 +73,7 @@ struct Hopper : Common {
     if (node.snapshot().parameter_origin == static_cast<std::uint16_t>(bus::ParameterOrigin::store_unusable))
       board.report_start_fault(control::Fault::parameters_lost);
   }
-  void tick() { run_tick(board, node, registers, hatch); }
+  void tick() { run_tick(board, node, registers, mailbox); }
   void switch_off() {
     board.set_state(bus::NodeState::idle);
     static_cast<void>(board.actuate(control::Command{}));
@@ -83,7 +83,7 @@ struct Hopper : Common {
   Store store;
   Node node;
   firmware::NodeRegisters<Node> registers;
-  Hatch hatch;
+  Mailbox mailbox;
   std::unique_ptr<modbus::TcpServer> server;
 };
 
@@ -238,7 +238,7 @@ void run_hopper(const Configuration& configuration, const Signals& signals) {
   if (configuration.modbus)
     hopper->server = std::make_unique<modbus::TcpServer>(
         configuration.modbus_address, configuration.modbus_port,
-        [&hatch = hopper->hatch](std::span<const std::uint8_t> request) { return hatch.ask(request); });
+        [&mailbox = hopper->mailbox](std::span<const std::uint8_t> request) { return mailbox.ask(request); });
   warn(network_warning(configuration));
   const unsigned long writer = start_thread(run_writer, hopper.get());
   unsigned long server = 0;

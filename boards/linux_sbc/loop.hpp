@@ -2,20 +2,20 @@
 // (benchmarks/furculad_tick.cpp).
 #pragma once
 
-#include "boards/linux_sbc/hatch.hpp"
+#include "boards/linux_sbc/mailbox.hpp"
 #include "firmware/app/node_on_can.hpp"
 #include "furcula/bus/modbus_pdu.hpp"
 
 namespace furcula::linux_sbc {
 
 /// Right after the board's wait_for_tick(): the robot's tick, then what was asked over Modbus and over CAN.
-void run_tick(auto& board, auto& node, auto& registers, Hatch& hatch) {
+void run_tick(auto& board, auto& node, auto& registers, Mailbox& mailbox) {
   firmware::obey_stop(board.link(), node);
   firmware::obey_stream(board.link(), node);
   board.set_state(node.state());
   board.link().set_on_bench(node.config().bench.on_bench != 0);
   node.tick();
-  hatch.attend([&](std::span<const std::uint8_t> request) {
+  mailbox.attend([&](std::span<const std::uint8_t> request) {
     return bus::handle_pdu(registers, node.bus_counts(), request);
   });
   board.link().registers().serve([&](std::span<const std::uint8_t> request, bus::Response& response) {

@@ -38,7 +38,7 @@ class LinuxWalkerBoard {
   /// Ends with a few ticks in the safe state once `stop` is set: one frame to a drive may be lost.
   bool wait_for_tick() {
     clock_.wait();
-    for (std::size_t bus = 0; bus < ports_.size(); ++bus) ports_[bus].receive(Ear{link_, bus}, now_us());
+    for (std::size_t bus = 0; bus < ports_.size(); ++bus) ports_[bus].receive(Receiver{link_, bus}, now_us());
     return clock_.goes_on();
   }
   std::uint32_t now_us() const { return clock_.now_us(); }
@@ -71,7 +71,7 @@ class LinuxWalkerBoard {
   static constexpr std::uint32_t kHeartbeatTicks = 100, kWalkStateTicks = 10;
 
   /// The link as one of its buses has it.
-  struct Ear {
+  struct Receiver {
     firmware::WalkerLink& link;
     std::size_t bus;
     void receive(const bus::Frame& frame, std::uint32_t now_us) const { link.receive(bus, frame, now_us); }

@@ -59,8 +59,8 @@ class QemuBoard {
     outputs_.command = command_;
     pipes_.send(pil::Reply{outputs_, instructions});
   }
-  void farewell(std::uint32_t hundred_nops) {
-    pipes_.send(pil::Farewell{watchdog_kicks_, {firmware::deepest_stack_bytes(), hundred_nops}});
+  void shutdown_reply(std::uint32_t hundred_nops) {
+    pipes_.send(pil::ShutdownReply{watchdog_kicks_, {firmware::deepest_stack_bytes(), hundred_nops}});
   }
 
  private:
@@ -94,6 +94,6 @@ int main() {
     const std::uint32_t after = counter.read();
     board.reply(counter.between(before, after));
   }
-  board.farewell(pil::hundred_nops(counter));
+  board.shutdown_reply(pil::hundred_nops(counter));
   semihosting::exit(pil::kDone);
 }

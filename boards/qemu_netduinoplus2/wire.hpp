@@ -22,7 +22,7 @@ struct Begin {
 
 /// Host to board, each tick: all that the board asks the rig.
 struct Tick {
-  std::uint32_t kind = kTick;  ///< kEnd: no tick, the board answers with a Farewell and stops
+  std::uint32_t kind = kTick;  ///< kEnd: no tick, the board answers with a ShutdownReply and stops
   std::uint32_t now_us = 0;
   std::uint32_t sample_valid = 0;
   std::uint32_t reset = 0;
@@ -49,7 +49,7 @@ struct Reply {
 };
 
 /// Board to host, last.
-struct Farewell {
+struct ShutdownReply {
   std::uint32_t watchdog_kicks = 0;
   Measured measured;
 };
@@ -57,7 +57,7 @@ struct Farewell {
 static_assert(std::is_trivially_copyable_v<Begin> && sizeof(Begin) == 432);
 static_assert(std::is_trivially_copyable_v<Tick> && sizeof(Tick) == 52);
 static_assert(std::is_trivially_copyable_v<Reply> && sizeof(Outputs) == 56 && sizeof(Reply) == 60);
-static_assert(std::has_unique_object_representations_v<Farewell>);
+static_assert(std::has_unique_object_representations_v<ShutdownReply>);
 
 inline Outputs outputs_of(const firmware::Telemetry& telemetry) {
   const control::Outputs& out = telemetry.outputs;

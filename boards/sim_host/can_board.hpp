@@ -121,10 +121,10 @@ class CanBoard {
   void look_at_drive() {
     drive_.set_motor(rig_.active(RigFault::drive_of_other_motor) ? rig_.config().other_motor
                                                                  : bus::Motor::ak80_9);
-    CanDrive::Flaws flaws;
-    if (rig_.active(RigFault::drive_hot)) flaws.temperature_c = kHotMotorC;
-    if (rig_.active(RigFault::torque_offset)) flaws.offset_nm = rig_.config().torque_offset_nm;
-    drive_.set_flaws(flaws);
+    CanDrive::InjectedErrors injected_errors;
+    if (rig_.active(RigFault::drive_hot)) injected_errors.temperature_c = kHotMotorC;
+    if (rig_.active(RigFault::torque_offset)) injected_errors.offset_nm = rig_.config().torque_offset_nm;
+    drive_.set_injected_errors(injected_errors);
     drive_.tick(tick(), drive_state(), shaft_rad());
     const bool doubled = rig_.active(RigFault::drive_doubled);
     second_drive_.tick(tick(), doubled ? CanDrive::State::sound : CanDrive::State::dead, kSecondShaftRad);

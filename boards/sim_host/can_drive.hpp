@@ -17,7 +17,7 @@ class CanDrive {
   enum class State : std::uint8_t { sound, dead, error, off };
 
   /// What is wrong with a drive that works.
-  struct Flaws {
+  struct InjectedErrors {
     double temperature_c = 40.0;
     double offset_nm = 0.0;  ///< added to what it is told, and shown by its current
   };
@@ -25,7 +25,7 @@ class CanDrive {
   CanDrive(bus::Motor motor, std::uint8_t node) : motor_(motor), node_(node) {}
 
   void set_motor(bus::Motor motor) { motor_ = motor; }
-  void set_flaws(const Flaws& flaws) { flaws_ = flaws; }
+  void set_injected_errors(const InjectedErrors& injected_errors) { injected_errors_ = injected_errors; }
 
   /// `angle_rad` is that of its shaft now.
   void tick(std::uint32_t tick, State state, double angle_rad) {
@@ -56,7 +56,7 @@ class CanDrive {
     return reply(angle_rad, before_nm);
   }
 
-  float torque_nm() const { return on_ ? torque_nm_ + static_cast<float>(flaws_.offset_nm) : 0.0f; }
+  float torque_nm() const { return on_ ? torque_nm_ + static_cast<float>(injected_errors_.offset_nm) : 0.0f; }
 
  private:
   void switch_off() {
@@ -74,7 +74,7 @@ class CanDrive {
     put(bus::signal(kMotorReply, "Position"), angle_rad);
     put(bus::signal(kMotorReply, "Velocity"), velocity_radps_);
     put(bus::signal(kMotorReply, "Torque"), static_cast<double>(torque_nm));
-    put(bus::signal(kMotorReply, "Temperature"), flaws_.temperature_c);
+    put(bus::signal(kMotorReply, "Temperature"), injected_errors_.temperature_c);
     put(bus::signal(kMotorReply, "Error"), state_ == State::error ? kError : 0.0);
     return frame;
   }
@@ -87,7 +87,7 @@ class CanDrive {
   std::uint32_t tick_ = 0, heard_ = 0;
   bool on_ = false;
   float torque_nm_ = 0.0f;
-  Flaws flaws_;
+  InjectedErrors injected_errors_;
   double last_angle_rad_ = 0.0, velocity_radps_ = 0.0;
 };
 

@@ -31,8 +31,8 @@ std::string field_of(const std::string& name) {
 /// The rows as they are asked for.
 class BagText final : public core::ByteSource {
  public:
-  BagText(std::unique_ptr<Recording> recording, const std::string& path, const Wish& wish)
-      : recording_(std::move(recording)), join_(*recording_, path, wish) {
+  BagText(std::unique_ptr<Recording> recording, const std::string& path, const Request& request)
+      : recording_(std::move(recording)), join_(*recording_, path, request) {
     // As many lines above the rows as where the log is written, with its rig.
     text_ = "# format: furcula-log/1\n# of a ROS 2 bag\n# topic: " + core::printable(join_.row_topic()) +
             "\n# clock: " + join_.clock() + "\ntime_s";
@@ -79,21 +79,21 @@ class BagText final : public core::ByteSource {
   std::vector<double> values_;
 };
 
-std::unique_ptr<Recording> empty_recording(const std::string& path, const Wish& wish) {
-  return std::make_unique<Recording>(path, [wish](const Channel& c) {
-    if (wish.all_topics || is_joint_state(c) || c.topic == wish.topic) return true;
-    return std::any_of(wish.columns.begin(), wish.columns.end(),
+std::unique_ptr<Recording> empty_recording(const std::string& path, const Request& request) {
+  return std::make_unique<Recording>(path, [request](const Channel& c) {
+    if (request.all_topics || is_joint_state(c) || c.topic == request.topic) return true;
+    return std::any_of(request.columns.begin(), request.columns.end(),
                        [&](const std::string& name) { return name.starts_with(c.topic + "/"); });
   });
 }
 
-Opened opened(std::unique_ptr<Recording> recording, const std::string& path, const Wish& wish) {
+Opened opened(std::unique_ptr<Recording> recording, const std::string& path, const Request& request) {
   Opened out;
   out.bag = true;
   out.notes = std::move(recording->notes);
   std::unique_ptr<BagText> text;
   try {
-    text = std::make_unique<BagText>(std::move(recording), path, wish);
+    text = std::make_unique<BagText>(std::move(recording), path, request);
   } catch (const core::DataError& e) {
     // What is missing may stand behind the place at which the file ends.
     if (out.notes.empty()) throw;
@@ -105,37 +105,38 @@ Opened opened(std::unique_ptr<Recording> recording, const std::string& path, con
   return out;
 }
 
-Opened open_source(std::unique_ptr<Ahead> source, const std::string& path, bool readable, const Wish& wish) {
+Opened open_source(std::unique_ptr<Ahead> source, const std::string& path, bool readable,
+                   const Request& request) {
   const std::string head(source->head(kHead));
   if (!is_bag(path, head, readable)) {
     Opened out;
     out.text = std::move(source);
     return out;
   }
-  auto recording = empty_recording(path, wish);
+  auto recording = empty_recording(path, request);
   read_bag_file(path, head, *source, *recording);
-  return opened(std::move(recording), path, wish);
+  return opened(std::move(recording), path, request);
 }
 
 }  // namespace
 
-Opened open_log(const std::string& path, std::string_view what, const Wish& wish) {
+Opened open_log(const std::string& path, std::string_view what, const Request& request) {
   // Who gives the description of a bag means the bag.
   if (const std::filesystem::path given(path); given.filename() == "metadata.yaml")
-    return open_log(given.has_parent_path() ? given.parent_path().string() : ".", what, wish);
+    return open_log(given.has_parent_path() ? given.parent_path().string() : ".", what, request);
   struct stat status {};
   const bool there = ::stat(path.c_str(), &status) == 0;
   if (there && S_ISDIR(status.st_mode)) {
-    auto recording = empty_recording(path, wish);
+    auto recording = empty_recording(path, request);
     read_bag_directory(path, *recording);
-    return opened(std::move(recording), path, wish);
+    return opened(std::move(recording), path, request);
   }
   return open_source(std::make_unique<Ahead>(std::make_unique<core::FileSource>(path, what)), path,
-                     there && S_ISREG(status.st_mode), wish);
+                     there && S_ISREG(status.st_mode), request);
 }
 
-Opened open_log(core::ByteSource& source, const std::string& name, const Wish& wish) {
-  return open_source(std::make_unique<Ahead>(std::string(), source), name, false, wish);
+Opened open_log(core::ByteSource& source, const std::string& name, const Request& request) {
+  return open_source(std::make_unique<Ahead>(std::string(), source), name, false, request);
 }
 
 }  // namespace furcula::bags

@@ -11,7 +11,7 @@
 namespace furcula::bags {
 
 /// What is wanted of a bag.
-struct Wish {
+struct Request {
   std::string topic;  ///< whose messages give the rows; empty: it is chosen
   std::vector<std::string>
       columns;              ///< that a map names, as the bag's: "/imu/angular_velocity/x", "angle_elbow_rad"
@@ -32,13 +32,13 @@ struct Opened {
 /// expected, as in core::FileSource.
 ///
 /// The joints of sensor_msgs/msg/JointState become angle_<joint>_rad, velocity_<joint>_radps and torque_<joint>_nm. All other numbers
-/// have their topic and path as a name; those are there that `wish` names. Rows are the messages of the topic with the most of them. The others
+/// have their topic and path as a name; those are there that `request` names. Rows are the messages of the topic with the most of them. The others
 /// are interpolated between the messages around a row, commands and flags are held from one message to the next. Time is the header's stamp,
 /// of messages without one when they were recorded.
 /// @throws core::DataError naming file and byte, topic and message, and what to do.
-Opened open_log(const std::string& path, std::string_view what, const Wish& wish);
+Opened open_log(const std::string& path, std::string_view what, const Request& request);
 
 /// The same of bytes; `name` stands for the path in messages.
-Opened open_log(core::ByteSource& source, const std::string& name, const Wish& wish);
+Opened open_log(core::ByteSource& source, const std::string& name, const Request& request);
 
 }  // namespace furcula::bags

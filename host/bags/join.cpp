@@ -64,13 +64,13 @@ std::string seconds(std::int64_t ns) { return core::rounded(1e-9 * static_cast<d
 
 }  // namespace
 
-Join::Join(const Recording& recording, const std::string& path, const Wish& wish)
+Join::Join(const Recording& recording, const std::string& path, const Request& request)
     : recording_(recording), path_(path) {
-  choose_joints(wish);
+  choose_joints(request);
   if (joints_ != nullptr) add_joint_columns();
-  add_wished(wish);
-  if (wish.all_topics) add_others();
-  if (streams_.empty() || (wish.joints_alone && joints_ == nullptr && wish.columns.empty())) {
+  add_wished(request);
+  if (request.all_topics) add_others();
+  if (streams_.empty() || (request.joints_alone && joints_ == nullptr && request.columns.empty())) {
     for (const Topic& t : recording.topics)
       if (t.joint_states && t.unread != 0)
         fail("no message of " + core::quoted(t.channel.topic) + " can be read, of " + t.first_unread);
@@ -79,7 +79,7 @@ Join::Join(const Recording& recording, const std::string& path, const Wish& wish
         "of others, as in angle_elbow_rad = { column = \"/topic/path\" }. " +
         contents());
   }
-  choose_rows(wish);
+  choose_rows(request);
   set_clocks();
   drop_empty_columns();
   leave_out_short_ones();
@@ -120,23 +120,23 @@ std::string Join::contents() const {
   return printable(out);
 }
 
-void Join::choose_joints(const Wish& wish) {
+void Join::choose_joints(const Request& request) {
   std::vector<const Topic*> with;
   std::vector<std::string_view> names;
   const Topic* chosen = nullptr;
   for (const Topic& t : recording_.topics) {
     names.push_back(t.channel.topic);
     if (t.joint_states && !t.streams.empty()) with.push_back(&t);
-    if (t.channel.topic == wish.topic && (chosen == nullptr || t.messages > chosen->messages)) chosen = &t;
+    if (t.channel.topic == request.topic && (chosen == nullptr || t.messages > chosen->messages)) chosen = &t;
   }
-  if (!wish.topic.empty()) {
+  if (!request.topic.empty()) {
     if (chosen == nullptr)
-      fail("no topic " + core::quoted(wish.topic) + core::did_you_mean(wish.topic, names) + ". " +
+      fail("no topic " + core::quoted(request.topic) + core::did_you_mean(request.topic, names) + ". " +
            contents());
     if (!chosen->trouble.empty())
-      fail("the topic " + core::quoted(wish.topic) + " cannot be read: " + chosen->trouble);
+      fail("the topic " + core::quoted(request.topic) + " cannot be read: " + chosen->trouble);
     if (chosen->streams.empty())
-      fail("the topic " + core::quoted(wish.topic) + " has no message that can be read" +
+      fail("the topic " + core::quoted(request.topic) + " has no message that can be read" +
            (chosen->first_unread.empty() ? "" : ", of " + chosen->first_unread) + ". " + contents());
     if (chosen->joint_states) {
       joints_ = chosen;
@@ -150,12 +150,12 @@ void Join::choose_joints(const Wish& wish) {
   if (with.size() == 1) joints_ = with.front();
   if (with.size() < 2) return;
   // A map that names topics needs no choice.
-  const bool by_topic = !wish.columns.empty() &&
-                        std::all_of(wish.columns.begin(), wish.columns.end(), [&](const std::string& c) {
-                          return std::any_of(names.begin(), names.end(), [&](std::string_view t) {
-                            return c.starts_with(std::string(t) + "/");
-                          });
-                        });
+  const bool by_topic =
+      !request.columns.empty() &&
+      std::all_of(request.columns.begin(), request.columns.end(), [&](const std::string& c) {
+        return std::any_of(names.begin(), names.end(),
+                           [&](std::string_view t) { return c.starts_with(std::string(t) + "/"); });
+      });
   if (by_topic) return;
   std::string list;
   for (const Topic* t : with) {
@@ -196,12 +196,12 @@ void Join::add_joint_columns() {
   std::stable_sort(streams.begin(), streams.end(),
                    [](const Stream* a, const Stream* b) { return a->messages() > b->messages(); });
   std::vector<std::string> taken;
-  std::uint64_t left_out = 0;
+  std::uint64_t excluded = 0;
   for (const Stream* s : streams) {
     if (std::any_of(s->joints.begin(), s->joints.end(), [&](const std::string& j) {
           return std::find(taken.begin(), taken.end(), j) != taken.end();
         })) {
-      left_out += s->messages();
+      excluded += s->messages();
       continue;
     }
     taken.insert(taken.end(), s->joints.begin(), s->joints.end());
@@ -212,15 +212,15 @@ void Join::add_joint_columns() {
       add(*joints_, *s, kOfJoint * j + 2, "torque_" + joint + "_nm", false);
     }
   }
-  if (left_out != 0)
-    notes_.push_back(printable(path_ + ": " + counted(left_out, "message", "messages") + " of " +
+  if (excluded != 0)
+    notes_.push_back(printable(path_ + ": " + counted(excluded, "message", "messages") + " of " +
                                joints_->channel.topic + " with some of the joints of others were left out."));
 }
 
-void Join::add_wished(const Wish& wish) {
+void Join::add_wished(const Request& request) {
   std::vector<std::string_view> all;
   std::vector<std::string> names;
-  for (const std::string& wanted : wish.columns) {
+  for (const std::string& wanted : request.columns) {
     if (wanted == "time_s") continue;
     if (const auto direct = std::find_if(columns_of_.begin(), columns_of_.end(),
                                          [&](const Column& c) { return c.name == wanted; });
@@ -254,7 +254,7 @@ void Join::add_wished(const Wish& wish) {
     }
     all.assign(names.begin(), names.end());
     fail(
-        "no column " + core::quoted(wanted) + ", which " + printable(wish.map) + " names" +
+        "no column " + core::quoted(wanted) + ", which " + printable(request.map) + " names" +
         core::did_you_mean(wanted, all) +
         "; expected time_s (the bag's clock), a joint's angle_<joint>_rad, velocity_<joint>_radps or torque_<joint>_nm, "
         "or a topic with a path, /topic/path. " +
@@ -273,11 +273,11 @@ void Join::add_others() {
   }
 }
 
-void Join::choose_rows(const Wish& wish) {
+void Join::choose_rows(const Request& request) {
   std::size_t best = 0;
   bool chosen = false;
   for (std::size_t i = 0; i < streams_.size(); ++i) {
-    const bool wished = streams_[i].topic->channel.topic == wish.topic;
+    const bool wished = streams_[i].topic->channel.topic == request.topic;
     if (chosen && !wished) continue;
     if (wished && !chosen) {
       best = i;
@@ -291,10 +291,10 @@ void Join::choose_rows(const Wish& wish) {
         static_cast<double>(streams_[best].stream->messages()))
       best = i;
   }
-  if (!wish.topic.empty() && !chosen) {
+  if (!request.topic.empty() && !chosen) {
     // Nothing but its times is used.
     for (const Topic& t : recording_.topics)
-      if (t.channel.topic == wish.topic && !t.streams.empty()) {
+      if (t.channel.topic == request.topic && !t.streams.empty()) {
         best = streams_.size();
         streams_.push_back({&t, largest(t)});
         break;

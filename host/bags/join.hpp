@@ -14,7 +14,7 @@ namespace furcula::bags {
 class Join {
  public:
   /// `recording` lives as long as this. @throws core::DataError
-  Join(const Recording& recording, const std::string& path, const Wish& wish);
+  Join(const Recording& recording, const std::string& path, const Request& request);
 
   const std::vector<std::string>& columns() const { return columns_; }  ///< without the time
   std::size_t rows() const { return last_row_ - first_row_; }
@@ -49,12 +49,12 @@ class Join {
   };
 
   std::string contents() const;
-  void choose_joints(const Wish& wish);
+  void choose_joints(const Request& request);
   void add_joint_columns();
-  void add_wished(const Wish& wish);
+  void add_wished(const Request& request);
   void add_others();
   void add(const Topic& topic, const Stream& stream, std::size_t index, std::string name, bool needed);
-  void choose_rows(const Wish& wish);
+  void choose_rows(const Request& request);
   void set_clocks();
   void order(Joined& joined);
   void leave_out_short_ones();

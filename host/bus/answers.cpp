@@ -43,7 +43,7 @@ void AnswerFinder::add(const LogFrame& frame, const NodeMessage* message) {
 std::optional<Answer> AnswerFinder::found() const {
   std::optional<Answer> nearest;
   for (const Asking& a : asking_) {
-    // Lost frames leave the others as they are: a twentieth, as of a log's rows (host/log/refused.hpp).
+    // Lost frames leave the others as they are: a twentieth, as of a log's rows (host/log/data_quality.hpp).
     if (a.answers == 0 || 20 * a.answers < 19 * frames_) continue;
     const std::int64_t gap_ns = a.sum_ns / static_cast<std::int64_t>(a.answers);
     if (!nearest || gap_ns < nearest->gap_ns) nearest = Answer{of_, a.by, gap_ns};

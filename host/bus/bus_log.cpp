@@ -81,33 +81,33 @@ const NodeMessage& MessageFinder::named(const std::string& node, const std::stri
                   "; expected a node with its protocol, see --node");
 }
 
-Survey::Survey(const MessageFinder& finder, const Arrangement& arrangement)
-    : finder_(finder), arrangement_(arrangement), counts_(finder.messages().size()) {
-  for (const Column& c : arrangement.columns)
+Survey::Survey(const MessageFinder& finder, const ChannelPermutation& permutation)
+    : finder_(finder), permutation_(permutation), counts_(finder.messages().size()) {
+  for (const Column& c : permutation.columns)
     if (signal_of(finder.named(c.node, c.message), c.signal) == nullptr)
       throw DataError(c.node + "_" + c.message + " has no signal " + core::quoted(c.signal));
-  for (const Column& c : arrangement.columns) {
+  for (const Column& c : permutation.columns) {
     const NodeMessage& m = finder.named(c.node, c.message);
     // What has an age tells by it when it was measured.
     const bool measured =
-        c.join == Join::between || (c.node == arrangement.tick_node && c.message == arrangement.tick_message);
+        c.join == Join::between || (c.node == permutation.tick_node && c.message == permutation.tick_message);
     if (measured && !is_stamped(m) &&
         std::none_of(answers_.begin(), answers_.end(), [&](const AnswerFinder& a) { return &a.of() == &m; }))
       answers_.emplace_back(m);
   }
-  for (const Calibration& told : arrangement.calibrations) {
-    const auto column = std::find_if(arrangement.columns.begin(), arrangement.columns.end(),
+  for (const Calibration& told : permutation.calibrations) {
+    const auto column = std::find_if(permutation.columns.begin(), permutation.columns.end(),
                                      [&](const Column& c) { return c.name == told.column; });
-    if (column == arrangement.columns.end()) continue;
+    if (column == permutation.columns.end()) continue;
     const NodeMessage &of = finder.named(column->node, column->message),
                       &from = finder.named(told.node, told.message);
-    told_.push_back(
+    calibrations_.push_back(
         {&told, &of, &from, *signal_of(of, column->signal), *signal_of(from, told.signal), {}, {}, true, {}});
   }
 }
 
 void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
-  for (Told& p : told_) {
+  for (CalibrationPair& p : calibrations_) {
     const bool told = &message == p.from;
     if (!told && &message != p.of) continue;
     if (!told) {
@@ -117,7 +117,7 @@ void Survey::take_pairs(const LogFrame& frame, const NodeMessage& message) {
       p.before = p.last;
       p.last = value_of(frame.frame, p.value);
     } else if (p.last && p.before && p.usable) {
-      const double y = value_of(frame.frame, p.told_value);
+      const double y = value_of(frame.frame, p.paired_value);
       // Of which of two ticks the board tells is not known: the value may be off by a step and what it moved between them.
       const double moved = *p.last - *p.before;
       if (std::isfinite(moved) && std::isfinite(y))
@@ -134,14 +134,15 @@ void Survey::add(const LogFrame& frame) {
   take_pairs(frame, *message);
 }
 
-void Survey::calibrate(const Told& t, Arrangement& out, std::vector<std::string>& notes) const {
+void Survey::calibrate(const CalibrationPair& t, ChannelPermutation& out,
+                       std::vector<std::string>& notes) const {
   const auto column = std::find_if(out.columns.begin(), out.columns.end(),
                                    [&](const Column& c) { return c.name == t.calibration->column; });
   if (column == out.columns.end()) return;
   const std::vector<std::string>& torques = t.calibration->torques;
   const std::string of = t.of->name + "." + std::string(t.value.name),
-                    from = t.from->name + "." + std::string(t.told_value.name);
-  const double step = factor(t.told_value);
+                    from = t.from->name + "." + std::string(t.paired_value.name);
+  const double step = factor(t.paired_value);
   const std::optional<Line> line = fit_line(t.sample.pairs(), step);
   if (!line || !(line->slope_error < kScaleError * std::abs(line->slope))) {
     if (!column->required) {
@@ -168,7 +169,7 @@ void Survey::calibrate(const Told& t, Arrangement& out, std::vector<std::string>
   notes.push_back(
       column->name + " = " + digits(slope) + " x " + of + (column->offset < 0.0 ? " - " : " + ") +
       digits(std::abs(column->offset)) + ", from " + times(line->pairs, "value") + " of " + from +
-      (line->left_out == 0 ? "" : "; " + std::to_string(line->left_out) + " off this line left out"));
+      (line->excluded == 0 ? "" : "; " + std::to_string(line->excluded) + " off this line left out"));
 }
 
 /// What else the recording has of which a torque can be made, as the option to write; empty: nothing.
@@ -187,7 +188,7 @@ std::string Survey::instead_of(const Column& column, const NodeMessage& missing)
     if (counts_[i] == 0 || m.node != missing.node) continue;
     for (const Signal& s : m.signals) {
       const bool is_column =
-          std::any_of(arrangement_.columns.begin(), arrangement_.columns.end(), [&](const Column& c) {
+          std::any_of(permutation_.columns.begin(), permutation_.columns.end(), [&](const Column& c) {
             return !column.required && c.node == column.node && c.message == m.message->name &&
                    c.signal == s.name;
           });
@@ -204,10 +205,10 @@ std::string Survey::instead_of(const Column& column, const NodeMessage& missing)
   return out;
 }
 
-Arrangement Survey::finish(std::vector<std::string>& notes) const {
-  Arrangement out = arrangement_;
+ChannelPermutation Survey::finish(std::vector<std::string>& notes) const {
+  ChannelPermutation out = permutation_;
   out.columns.clear();
-  for (const Column& c : arrangement_.columns) {
+  for (const Column& c : permutation_.columns) {
     const NodeMessage& m = finder_.named(c.node, c.message);
     if (counts_[static_cast<std::size_t>(&m - finder_.messages().data())] != 0) {
       out.columns.push_back(c);
@@ -236,7 +237,7 @@ Arrangement Survey::finish(std::vector<std::string>& notes) const {
                     " after " + core::rounded(static_cast<double>(answer->gap_ns) * 1e-6, 3) +
                     " ms: what it says was measured when that came");
   }
-  for (const Told& t : told_) calibrate(t, out, notes);
+  for (const CalibrationPair& t : calibrations_) calibrate(t, out, notes);
   for (const Column& c : out.columns)
     if (c.join == Join::step)
       notes.push_back(c.name + " is told by " + c.node + "_" + c.message +
@@ -244,12 +245,12 @@ Arrangement Survey::finish(std::vector<std::string>& notes) const {
   return out;
 }
 
-RowMaker::RowMaker(const MessageFinder& finder, const Arrangement& arrangement, Write write)
+RowMaker::RowMaker(const MessageFinder& finder, const ChannelPermutation& permutation, Write write)
     : finder_(finder),
-      arrangement_(arrangement),
+      permutation_(permutation),
       write_(std::move(write)),
-      tick_(&finder.named(arrangement.tick_node, arrangement.tick_message)) {
-  for (const Column& c : arrangement_.columns) {
+      tick_(&finder.named(permutation.tick_node, permutation.tick_message)) {
+  for (const Column& c : permutation_.columns) {
     const NodeMessage& m = finder.named(c.node, c.message);
     Cell& cell = cells_.emplace_back();
     cell.message = &m;
@@ -258,7 +259,7 @@ RowMaker::RowMaker(const MessageFinder& finder, const Arrangement& arrangement, 
     cell.offset = c.offset;
     cell.join = c.join;
   }
-  for (const Answer& a : arrangement_.answers) asked_.push_back({a, {}});
+  for (const Answer& a : permutation_.answers) asked_.push_back({a, {}});
 }
 
 /// When the content of a frame without an age was measured: when it was asked for, or else when it was sent.
@@ -389,7 +390,7 @@ void RowMaker::close_row() {
   row_open_ = false;
   const Row& row = waiting_.back();
   const bool on = drive_on_ && !switched_on_ && row.time_ns - last_command_ns_ < kSilenceNs;
-  if (arrangement_.only_while_on && !on) {
+  if (permutation_.only_while_on && !on) {
     ++off_;
     break_ = true;
     waiting_.pop_back();
@@ -456,7 +457,7 @@ void RowMaker::add(const LogFrame& in) {
   if (std::any_of(cells_.begin(), cells_.end(),
                   [&](const Cell& c) { return c.message == message && c.join == Join::between; }))
     time_ns = instant_of(*message, in);
-  if (message->node->name == arrangement_.drive_node) note_drive(*message->message);
+  if (message->node->name == permutation_.drive_node) note_drive(*message->message);
   const bool off = message->message == &message::kMotorEnter || message->message == &message::kMotorExit;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     Cell& c = cells_[i];
@@ -539,7 +540,7 @@ std::vector<std::string> RowMaker::notes() const {
     out.push_back(times(incomplete_, "row") + " without a value for each column, at the ends or in gaps, " +
                   (incomplete_ == 1 ? "is" : "are") + " left out");
   for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const std::string& name = arrangement_.columns[i].name;
+    const std::string& name = permutation_.columns[i].name;
     if (cells_[i].held != 0)
       out.push_back(times(cells_[i].held, "row") + " without a frame of " + cells_[i].message->name + ": " +
                     name + " holds the value of the row before");

@@ -1,6 +1,6 @@
 // A recording of a bus as a log with one row a tick (furcula-log/1), for check, identify and diagnose.
 //
-// A row is a frame of the arrangement's tick message, at the instant of its content: the frame's stamp less its age. The
+// A row is a frame of the permutation's tick message, at the instant of its content: the frame's stamp less its age. The
 // recording is read twice: what frames there are and what counts mean, then the rows, as they come and in a fixed amount of memory.
 #pragma once
 
@@ -37,31 +37,31 @@ class MessageFinder {
 /// First reading: which columns there are, and the calibrations.
 class Survey {
  public:
-  Survey(const MessageFinder& finder, const Arrangement& arrangement);
+  Survey(const MessageFinder& finder, const ChannelPermutation& permutation);
   void add(const LogFrame& frame);
-  /// The arrangement with what was found. @throws core::DataError: a column that must be there has no frame, or what its numbers
+  /// The permutation with what was found. @throws core::DataError: a column that must be there has no frame, or what its numbers
   /// mean is not told; says what to do. `notes`: what was found, a sentence each.
-  Arrangement finish(std::vector<std::string>& notes) const;
+  ChannelPermutation finish(std::vector<std::string>& notes) const;
 
  private:
-  struct Told {
+  struct CalibrationPair {
     const Calibration* calibration;
     const NodeMessage *of, *from;
-    Signal value, told_value;
+    Signal value, paired_value;
     std::optional<double> before, last;
     bool usable = true;
     PairSample sample;
   };
   void take_pairs(const LogFrame& frame, const NodeMessage& message);
-  void calibrate(const Told& told, Arrangement& out, std::vector<std::string>& notes) const;
+  void calibrate(const CalibrationPair& pair, ChannelPermutation& out, std::vector<std::string>& notes) const;
 
   std::string instead_of(const Column& column, const NodeMessage& missing) const;
 
   const MessageFinder& finder_;
-  const Arrangement& arrangement_;
+  const ChannelPermutation& permutation_;
   std::vector<std::uint64_t> counts_;  ///< of the finder's messages
   std::vector<AnswerFinder> answers_;
-  std::vector<Told> told_;
+  std::vector<CalibrationPair> calibrations_;
 };
 
 /// Second reading: rows.
@@ -69,7 +69,7 @@ class RowMaker {
  public:
   /// `write`: a row of the run (from 1), time first.
   using Write = std::function<void(std::size_t run, const std::vector<double>& row)>;
-  RowMaker(const MessageFinder& finder, const Arrangement& arrangement, Write write);
+  RowMaker(const MessageFinder& finder, const ChannelPermutation& permutation, Write write);
   void add(const LogFrame& frame);
   void finish();
 
@@ -120,7 +120,7 @@ class RowMaker {
   void write_row(Row& row);
 
   const MessageFinder& finder_;
-  Arrangement arrangement_;
+  ChannelPermutation permutation_;
   Write write_;
   std::vector<Cell> cells_;
   std::vector<Asked> asked_;

@@ -41,14 +41,14 @@ std::optional<double> number(std::string_view text) {
   return value;
 }
 
-Arrangement hopper(const std::vector<Node>& nodes, const std::vector<JointDrive>& joints) {
+ChannelPermutation hopper(const std::vector<Node>& nodes, const std::vector<JointDrive>& joints) {
   if (joints.size() > 1)
     throw DataError("--joint: a hopper has one drive; expected one at most, or --machine tree");
   const Node& rail = needed(nodes, Protocol::encoder);
   const Node& board = needed(nodes, Protocol::controller);
   std::string drive = joints.empty() ? needed(nodes, Protocol::mini_cheetah).name : joints[0].node;
   const double ratio = joints.empty() ? 1.0 : joints[0].ratio;
-  Arrangement a{"hopper", {}, {}, rail.name, "Sample", drive, true};
+  ChannelPermutation a{"hopper", {}, {}, rail.name, "Sample", drive, true};
   a.columns = {{"height_m", rail.name, "Sample", "Count", 1.0, 0.0, Join::tick},
                {"leg_angle_rad", drive, "Reply", "Position", 1.0 / ratio, 0.0, Join::tick, false},
                {"contact", board.name, "Leg_State", "Contact", 1.0, 0.0, Join::step},
@@ -63,7 +63,7 @@ Arrangement hopper(const std::vector<Node>& nodes, const std::vector<JointDrive>
 }
 
 /// The four columns of a joint; `suffix` is "" or "_NAME".
-void add_joint(Arrangement& a, const Node& node, const JointDrive& j, const std::string& middle) {
+void add_joint(ChannelPermutation& a, const Node& node, const JointDrive& j, const std::string& middle) {
   const bool odrive = node.protocol == Protocol::odrive;
   const double turn = odrive ? 2.0 * std::numbers::pi : 1.0;
   const std::string measured = odrive ? "Get_Encoder_Estimates" : "Reply";
@@ -77,7 +77,8 @@ void add_joint(Arrangement& a, const Node& node, const JointDrive& j, const std:
                        "Torque", j.ratio, 0.0, Join::acting, false});
 }
 
-void add_joints(Arrangement& a, const std::vector<Node>& nodes, const std::vector<JointDrive>& joints) {
+void add_joints(ChannelPermutation& a, const std::vector<Node>& nodes,
+                const std::vector<JointDrive>& joints) {
   if (joints.empty())
     throw DataError("a " + a.rig + " needs its drives; add " +
                     (a.rig == "tree" ? "--joint JOINT=NODE for each joint" : "--joint angle=NODE"));
@@ -164,16 +165,16 @@ Column parse_column(std::string_view text, const std::vector<NodeMessage>& messa
                   core::did_you_mean(path, names));
 }
 
-Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
-                    const std::vector<JointDrive>& joints, const std::vector<Column>& extra) {
-  const log::RigInfo* info = log::rig_named(rig);
+ChannelPermutation arrange(std::string_view rig, const std::vector<Node>& nodes,
+                           const std::vector<JointDrive>& joints, const std::vector<Column>& extra) {
+  const log::MachineType* info = log::rig_named(rig);
   if (info == nullptr) {
     std::vector<std::string_view> names;
-    for (const log::RigInfo& r : log::kRigs) names.push_back(r.name);
+    for (const log::MachineType& r : log::kRigs) names.push_back(r.name);
     throw DataError("no machine type " + quoted(rig) + "; expected one of " + core::listed(names) +
                     core::did_you_mean(rig, names));
   }
-  Arrangement a;
+  ChannelPermutation a;
   if (rig == "hopper") {
     a = hopper(nodes, joints);
   } else {

@@ -35,7 +35,7 @@ struct Calibration {
 };
 
 /// A log of a bus: its columns, and the message of which each is a row.
-struct Arrangement {
+struct ChannelPermutation {
   std::string rig;
   std::vector<Column> columns;
   std::vector<Calibration> calibrations;
@@ -59,7 +59,7 @@ Column parse_column(std::string_view text, const std::vector<NodeMessage>& messa
 
 /// The columns of a rig: of a hopper those of furculad's bus, of a rotary_joint or a tree those of its drives, and of any rig
 /// the `extra` ones, which take the place of one with the same name. @throws core::DataError: no such rig or node, nothing to make rows of.
-Arrangement arrange(std::string_view rig, const std::vector<Node>& nodes,
-                    const std::vector<JointDrive>& joints, const std::vector<Column>& extra);
+ChannelPermutation arrange(std::string_view rig, const std::vector<Node>& nodes,
+                           const std::vector<JointDrive>& joints, const std::vector<Column>& extra);
 
 }  // namespace furcula::bus

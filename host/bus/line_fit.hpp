@@ -27,7 +27,7 @@ class PairSample {
 struct Line {
   double slope, offset;
   double slope_error;  ///< standard error
-  std::size_t pairs, left_out;
+  std::size_t pairs, excluded;
 
   double x_mean, y_mean;  ///< of the pairs, weighted
   /// With this slope, through the middle of the pairs.

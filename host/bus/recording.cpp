@@ -121,7 +121,7 @@ void RecordingReader::note_odd(std::string why) {
 void RecordingReader::judge(bool at_end) const {
   const std::uint64_t lines = frames_ + ahead_.size() + odd_ + events_;
   if (odd_ == 0 || (!at_end && (odd_ < kFewestToJudge || odd_ < frames_))) return;
-  // A twentieth, as of a log's rows (host/log/refused.hpp).
+  // A twentieth, as of a log's rows (host/log/data_quality.hpp).
   if (odd_ <= kAlwaysBorne + lines / 20 && odd_ < frames_ + ahead_.size()) return;
   throw DataError(name_ + ":" + std::to_string(named_.front().line) + ": " + named_.front().why + " (" +
                   std::to_string(odd_) + " of " + counted(lines, "line is", "lines are") + " no " +

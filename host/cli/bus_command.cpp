@@ -194,35 +194,35 @@ void make_log(const BusOptions& options) {
   if (fs::equivalent(options.log, options.out, ignored))
     throw UsageError("--out: " + options.out + " is the recording itself; expected another file");
   const bus::MessageFinder finder(nodes_of(options));
-  bus::Arrangement arrangement;
+  bus::ChannelPermutation permutation;
   try {
     std::vector<bus::JointDrive> joints;
     for (const std::string& text : options.joints) joints.push_back(bus::parse_joint(text));
     std::vector<bus::Column> columns;
     for (const std::string& text : options.columns)
       columns.push_back(bus::parse_column(text, finder.messages()));
-    arrangement = bus::arrange(options.rig, nodes_of(options), joints, columns);
+    permutation = bus::arrange(options.rig, nodes_of(options), joints, columns);
   } catch (const core::DataError& e) {
     throw UsageError(e.what());
   }
   std::vector<std::string> notes;
-  bus::Survey survey(finder, arrangement);
+  bus::Survey survey(finder, permutation);
   bus::Undecoded undecoded;
   const std::string remarks = read_frames(options.log, [&](const bus::LogFrame& f) {
     survey.add(f);
     if (finder.find(f) == nullptr) undecoded.count(f, finder.messages());
   });
   try {
-    arrangement = survey.finish(notes);
+    permutation = survey.finish(notes);
   } catch (const core::DataError& e) {
     throw core::DataError(options.log + ": " + e.what() + in_brackets(undecoded.remarks()));
   }
   std::string header =
-      (options.comments.none ? "" : "# format: furcula-log/1\n# machine_type: " + arrangement.rig + "\n") +
+      (options.comments.none ? "" : "# format: furcula-log/1\n# machine_type: " + permutation.rig + "\n") +
       "time_s";
-  for (const bus::Column& c : arrangement.columns) header += "," + c.name;
+  for (const bus::Column& c : permutation.columns) header += "," + c.name;
   RunFiles files(options.out, header + "\n");
-  bus::RowMaker rows(finder, arrangement,
+  bus::RowMaker rows(finder, permutation,
                      [&](std::size_t run, const std::vector<double>& row) { files.write(run, row); });
   read_frames(options.log, [&](const bus::LogFrame& f) { rows.add(f); });
   rows.finish();

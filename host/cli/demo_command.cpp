@@ -12,7 +12,7 @@
 #include "host/core/message.hpp"
 #include "host/log/writer.hpp"
 #include "host/model/writer.hpp"
-#include "host/sim/mystery.hpp"
+#include "host/sim/hidden_case.hpp"
 
 namespace furcula::cli {
 namespace {
@@ -30,13 +30,13 @@ std::uint64_t seed_from_clock() {
 }
 
 /// "coulomb_friction (force_n 1.583)".
-std::string truth_in_words(const sim::Mystery& mystery) {
-  const dynamics::EffectInfo& effect = dynamics::info(mystery.cause);
+std::string truth_in_words(const sim::HiddenCase& hidden_case) {
+  const dynamics::EffectInfo& effect = dynamics::info(hidden_case.cause);
   std::string values;
   for (std::size_t i = 0; i < effect.parameter_count; ++i)
     values += (i == 0 ? "" : ", ") +
-              std::string(dynamics::name_on(effect.parameter_table[i], mystery.model.kind)) + " " +
-              core::rounded(mystery.truth.effects.at(mystery.cause)[i]);
+              std::string(dynamics::name_on(effect.parameter_table[i], hidden_case.model.kind)) + " " +
+              core::rounded(hidden_case.truth.effects.at(hidden_case.cause)[i]);
   return std::string(effect.name) + " (" + values + ")";
 }
 
@@ -56,30 +56,30 @@ std::string how_it_went(const diagnose::Diagnosis& d, dynamics::Effect cause) {
 
 void run(const DemoOptions& options) {
   const std::uint64_t seed = options.seed ? *options.seed : seed_from_clock();
-  const sim::Mystery mystery = sim::draw_mystery(seed);
+  const sim::HiddenCase hidden_case = sim::draw_hidden_case(seed);
   const OutFolder folder(options.out);
   RecordingOptions recordings;
   recordings.model = options.out + "/model.toml";
   recordings.out = options.out + "/diagnosis";
   recordings.threads = options.threads;
-  model::write_model(mystery.model, recordings.model);
-  for (const log::Log& log : mystery.logs) {
+  model::write_model(hidden_case.model, recordings.model);
+  for (const log::Log& log : hidden_case.logs) {
     const std::string path = options.out + "/" + log.metadata.at("experiment") + ".csv";
     log::write_log(log, path);
     // The last two are driven like the ones before them: fit to judge by.
-    const bool last_two = recordings.logs.size() + 2 >= mystery.logs.size();
+    const bool last_two = recordings.logs.size() + 2 >= hidden_case.logs.size();
     (last_two ? recordings.held_out : recordings.logs).push_back(path);
   }
   std::cout << "A virtual hopper with one hidden cause, drawn from seed " << seed
-            << ", has hopped: " << mystery.logs.size() << " logs and the model without the cause are in "
+            << ", has hopped: " << hidden_case.logs.size() << " logs and the model without the cause are in "
             << core::printable(options.out) << ".\n\n"
             << "What the logs say\n"
             << std::flush;
   const diagnose::Diagnosis d = run_diagnose(recordings);
   // Written only now: nothing that the diagnosis could have read held the truth.
-  model::write_model(mystery.truth, options.out + "/truth.toml");
+  model::write_model(hidden_case.truth, options.out + "/truth.toml");
   std::cout << "\nThe truth (" << core::printable(options.out) << "/truth.toml)\n"
-            << truth_in_words(mystery) << ". " << how_it_went(d, mystery.cause) << "\n";
+            << truth_in_words(hidden_case) << ". " << how_it_went(d, hidden_case.cause) << "\n";
 }
 
 }  // namespace

@@ -57,8 +57,8 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   core::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
             << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
-  print_dirt(d.dirt);
-  for (const identify::LeftOut& l : d.left_out) std::cout << core::printable(identify::sentence(l)) << "\n";
+  print_data_quality(d.data_quality);
+  for (const identify::Excluded& l : d.excluded) std::cout << core::printable(identify::sentence(l)) << "\n";
   std::cout << (d.experiments.empty() ? "" : "next: " + core::printable_lines(d.next_experiment) + "\n")
             << "report: " << core::printable(o.out) << "/report.html\n";
   return d;
@@ -128,7 +128,7 @@ void run_on_tree(const RecordingOptions& o) {
               << core::rounded(d.as_given_error[j].rmse, 3) << " to "
               << core::rounded(d.extended_error[j].rmse, 3) << " " << trees::channel_unit(model, j);
   std::cout << "\n";
-  print_dirt(d.dirt);
+  print_data_quality(d.data_quality);
   for (const std::string& note : d.notes) std::cout << core::printable(note) << "\n";
   if (!d.experiments.empty()) std::cout << "next: " << core::printable(d.next_experiment) << "\n";
   std::cout << "report: " << core::printable(o.out) << "/report.html\n";

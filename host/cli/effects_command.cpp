@@ -67,7 +67,7 @@ std::string with_rotary(std::string_view linear, std::string_view rotary, const 
   return out;
 }
 
-bool has_leg(Kind kind) { return dynamics::has(kind, dynamics::Seat::leg); }
+bool has_leg(Kind kind) { return dynamics::has(kind, dynamics::LocationType::leg); }
 
 /// The parameter's value while the effect is off, in words where it depends on the model or the kind.
 std::string neutral_text(const EffectInfo& effect, const EffectParameterInfo& p, std::optional<Kind> kind) {
@@ -103,7 +103,7 @@ void print_text(const EffectInfo& e, std::optional<Kind> kind) {
             << (has_phases(kind) ? ", " + std::string(e.phase) : "") << "\n  kinds       " << kind_list(e)
             << "\n";
   if (const auto on_tree = trees::effect_named(e.name); on_tree && !kind)
-    std::cout << "  on a tree   location type " << trees::name(trees::info(*on_tree).seat)
+    std::cout << "  on a tree   location type " << trees::name(trees::info(*on_tree).location_type)
               << " (--kind tree)\n";
   for (const auto& p : e.parameters())
     std::cout << "  parameter   " << name_text(p, e, kind) << ", in " << unit_text(p, e, kind) << ", from "
@@ -169,7 +169,7 @@ nlohmann::ordered_json to_json(const EffectInfo& e, std::optional<Kind> kind) {
   return out;
 }
 
-/// What a robot of several joints can have: effects on seats (host/trees/effects.hpp).
+/// What a robot of several joints can have: effects at locations (host/trees/effects.hpp).
 void run_on_trees(const EffectsOptions& options) {
   if (options.markdown)
     throw UsageError(

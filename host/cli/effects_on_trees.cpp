@@ -10,8 +10,8 @@
 namespace furcula::cli {
 namespace {
 
+using trees::LocationType;
 using trees::Parameter;
-using trees::Seat;
 
 /// "a" or, where it has another name or unit on a prismatic joint, "a (b on a prismatic joint)".
 std::string with_linear(const std::string& name, const std::string& linear) {
@@ -20,16 +20,16 @@ std::string with_linear(const std::string& name, const std::string& linear) {
 std::string unit_or_one(std::string_view unit) { return unit.empty() ? "1" : std::string(unit); }
 std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
 
-struct SeatText {
-  Seat seat;
+struct LocationTypeText {
+  LocationType location_type;
   std::string_view what, site;
 };
-constexpr SeatText kSeats[] = {
-    {Seat::joint, "in a joint, between its two links", "the joint's name"},
-    {Seat::drive, "in the drive of a joint", "the joint's name"},
-    {Seat::encoder, "in the encoder of a joint", "the joint's name"},
-    {Seat::link, "in the body of a link", "the link's name"},
-    {Seat::base, "under the robot", "`base`"},
+constexpr LocationTypeText kLocationTypes[] = {
+    {LocationType::joint, "in a joint, between its two links", "the joint's name"},
+    {LocationType::drive, "in the drive of a joint", "the joint's name"},
+    {LocationType::encoder, "in the encoder of a joint", "the joint's name"},
+    {LocationType::link, "in the body of a link", "the link's name"},
+    {LocationType::base, "under the robot", "`base`"},
 };
 
 }  // namespace
@@ -46,7 +46,7 @@ bool on_trees_alone(const trees::EffectInfo& effect) {
 
 std::string tree_effect_text(const trees::EffectInfo& e) {
   std::string out = std::string(e.name) + "\n  model       " + std::string(e.law) + "\n  location    " +
-                    std::string(trees::name(e.seat)) + "\n";
+                    std::string(trees::name(e.location_type)) + "\n";
   for (const Parameter& p : e.parameters())
     out += "  parameter   " + with_linear(std::string(p.name), std::string(p.linear_name)) + ", in " +
            unit_or_one(p.unit) + ", from " + core::shortest(p.lower) + " to " + core::shortest(p.upper) +
@@ -56,7 +56,8 @@ std::string tree_effect_text(const trees::EffectInfo& e) {
 }
 
 nlohmann::ordered_json tree_effect_json(const trees::EffectInfo& e) {
-  nlohmann::ordered_json out{{"effect", e.name}, {"model", e.law}, {"location_type", trees::name(e.seat)}};
+  nlohmann::ordered_json out{
+      {"effect", e.name}, {"model", e.law}, {"location_type", trees::name(e.location_type)}};
   for (const Parameter& p : e.parameters())
     out["parameters"].push_back({{"name", p.name},
                                  {"unit", p.unit},
@@ -76,8 +77,8 @@ std::string tree_effects_markdown() {
       "For `kind = \"tree\"` ([trees](trees.md)), from `host/trees/effects.cpp`. `q` and `v` are position and velocity of the joint.\n"
       "In parentheses: on a prismatic joint. Damping, mass, rotor inertia and gains are absolute values.\n\n"
       "| location type | the model acts | a location is |\n|---|---|---|\n";
-  for (const SeatText& s : kSeats)
-    out += "| " + std::string(trees::name(s.seat)) + " | " + std::string(s.what) + " | " +
+  for (const LocationTypeText& s : kLocationTypes)
+    out += "| " + std::string(trees::name(s.location_type)) + " | " + std::string(s.what) + " | " +
            std::string(s.site) + " |\n";
   out +=
       "\n| effect | location type | model | parameter | unit | from | to |\n|---|---|---|---|---|---|---|\n";
@@ -86,8 +87,8 @@ std::string tree_effects_markdown() {
   };
   for (const trees::EffectInfo& e : trees::catalogue()) {
     const std::string link = "[" + code(e.name) + "](#" + std::string(e.name) + ")";
-    std::string head =
-        link + " | " + std::string(trees::name(e.seat)) + " | " + code(markdown_cell(std::string(e.law)));
+    std::string head = link + " | " + std::string(trees::name(e.location_type)) + " | " +
+                       code(markdown_cell(std::string(e.law)));
     for (const Parameter& p : e.parameters()) {
       out += "| " + head + " | " + with_brackets(code(p.name), code(p.linear_name)) + " | " +
              with_brackets(unit_or_one(p.unit), unit_or_one(p.linear_unit)) + " | " +

@@ -69,7 +69,7 @@ void run_on_tree(const IdentifyOptions& o) {
   std::printf("\n");
   for (const std::string& note : found.notes) std::printf("%s\n", core::printable(note).c_str());
   std::fflush(stdout);
-  print_dirt(found.dirt);
+  print_data_quality(found.data_quality);
 }
 
 void run(const IdentifyOptions& o) {
@@ -118,8 +118,8 @@ void run(const IdentifyOptions& o) {
                   p.lower, p.upper, p.verdict.c_str(), p.with.empty() ? "" : (" (" + p.with + ")").c_str());
   }
   std::fflush(stdout);
-  print_dirt(found.dirt);
-  for (const identify::LeftOut& l : found.left_out)
+  print_data_quality(found.data_quality);
+  for (const identify::Excluded& l : found.excluded)
     std::printf("%s\n", core::printable(identify::sentence(l)).c_str());
   std::printf("report: %s/report.html\n", core::printable(o.out).c_str());
 }

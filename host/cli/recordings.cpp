@@ -87,7 +87,7 @@ void require_other_file(const char* option, const std::string& path,
 
 std::vector<std::string_view> rig_names() {
   std::vector<std::string_view> names;
-  for (const log::RigInfo& r : log::kRigs) names.push_back(r.name);
+  for (const log::MachineType& r : log::kRigs) names.push_back(r.name);
   return names;
 }
 
@@ -242,8 +242,8 @@ void CommentsOption::add_to(CLI::App& command) {
       "is lost: commands that read the log take the machine type from --model, --machine or a map");
 }
 
-void print_dirt(const log::Dirt& dirt) {
-  for (const std::string& line : log::lines_of(dirt)) std::cout << core::printable(line) << "\n";
+void print_data_quality(const log::DataQuality& data_quality) {
+  for (const std::string& line : log::lines_of(data_quality)) std::cout << core::printable(line) << "\n";
 }
 
 OutFolder::OutFolder(const std::string& path) {

@@ -110,7 +110,7 @@ struct CommentsOption {
 };
 
 /// Prints what was wrong with the recordings, a line each.
-void print_dirt(const log::Dirt& dirt);
+void print_data_quality(const log::DataQuality& data_quality);
 
 /// @throws UsageError where `path`, which an option names to be written, is one of the files `read`. Empty names are no files.
 void require_other_file(const char* option, const std::string& path, std::initializer_list<std::string> read);

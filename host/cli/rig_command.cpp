@@ -25,7 +25,7 @@ struct RigOptions {
 
 void run(RigOptions& options) {
   const model::Model model = model::read_model(options.model);
-  if (!dynamics::has(model.kind, dynamics::Seat::leg))
+  if (!dynamics::has(model.kind, dynamics::LocationType::leg))
     throw UsageError("hil-rig simulates a hopper; expected a model of one");
   const sim::Scenario scenario = sim::read_scenario(options.scenario, model);
   const sim::Expectation expected = sim::read_expectation(options.scenario);

@@ -69,7 +69,7 @@ void run(const ServeOptions& options) {
     return;
   }
   const model::Model model = options.model.empty() ? sim::example_hopper() : model::read_model(options.model);
-  if (!dynamics::has(model.kind, dynamics::Seat::leg))
+  if (!dynamics::has(model.kind, dynamics::LocationType::leg))
     throw UsageError("--model: furcula serve needs a hopper");
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);

@@ -80,7 +80,7 @@ void run(const SimOptions& options, PlayGait play) {
     return;
   }
   const model::Model model = model::read_model(options.model);
-  if (options.check && (options.scenario.empty() || !dynamics::has(model.kind, dynamics::Seat::leg)))
+  if (options.check && (options.scenario.empty() || !dynamics::has(model.kind, dynamics::LocationType::leg)))
     throw UsageError("--check needs a --scenario for a hopper");
   const sim::Scenario scenario =
       options.scenario.empty() ? sim::default_scenario(model) : sim::read_scenario(options.scenario, model);

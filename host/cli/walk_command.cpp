@@ -108,19 +108,20 @@ walk::Walk walk_of(const char* option, const std::string& file, const WalkOption
   return walk;
 }
 
-void say_evidence(const walk::Evidence& evidence) {
+void say_evidence(const walk::Robustness& robustness) {
   std::printf("with steps of 1 to 0.125 ms: cost of transport");
-  for (const walk::Trial& t : evidence.steps) std::printf(" %.4g", t.rollout.cot);
-  std::printf("\nwith sensor errors: %u of %u stand, %u keep all limits\n", evidence.noisy_stand,
-              evidence.noisy, evidence.noisy_keep_limits);
-  std::printf("on other robots, drawn and pushed: %u of %u stand\n", evidence.drawn_stand, evidence.drawn);
-  if (const walk::ReturnMap& map = evidence.map; map.found)
+  for (const walk::Trial& t : robustness.steps) std::printf(" %.4g", t.rollout.cot);
+  std::printf("\nwith sensor errors: %u of %u stand, %u keep all limits\n", robustness.noisy_stand,
+              robustness.noisy, robustness.noisy_keep_limits);
+  std::printf("on other robots, drawn and pushed: %u of %u stand\n", robustness.drawn_stand,
+              robustness.drawn);
+  if (const walk::ReturnMap& map = robustness.map; map.found)
     std::printf(
         "walking on: a stride of %.4g s and %.4g m, cost of transport %.3f, largest Floquet multiplier %.3f\n",
         map.stride_s, map.stride_m, map.cot, map.multipliers.front());
   else
     std::printf("walking on: %s\n", map.none.c_str());
-  for (const walk::Trial& t : evidence.changed)
+  for (const walk::Trial& t : robustness.changed)
     std::printf("%s: %s\n", t.what.c_str(),
                 t.rollout.over > 0.0 && t.rollout.ending == walk::Ending::stands
                     ? "stands, beyond a limit"
@@ -190,7 +191,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
     std::printf("first walk of 10 s within all limits after %.1f s of one processor, %llu walks tried\n",
                 end.first_walk->cpu_s, static_cast<unsigned long long>(end.first_walk->rollouts));
   say(found.rollout, model.limits);
-  if (searched.evidence) say_evidence(*searched.evidence);
+  if (searched.robustness) say_evidence(*searched.robustness);
   if (end.not_finite > 0)
     std::printf("%llu of %llu walks had an objective that is no number, and were left out\n",
                 static_cast<unsigned long long>(end.not_finite),
@@ -215,15 +216,15 @@ void show(const WalkOptions& o) {
   const OutFolder folder(o.out);
   const walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
   const walk::Rollout r = walk::run_walk(model.robot, rollout, walk.parameters);
-  walk::Evidence evidence;
+  walk::Robustness robustness;
   {
     Progress progress("walk");
-    evidence = walk::evidence_of(
+    robustness = walk::robustness_of(
         model.robot, rollout, walk.parameters, walk::unseen_robots(model, walk.mode), o.thread_count(),
         [&](double fraction) { progress.update(fraction, "the walk again, with errors"); });
   }
   core::write_files_together(std::vector<core::NewFile>{
-      {o.out + "/report.html", walk::render_walk_report(model, rollout, walk.parameters, r, {}, evidence,
+      {o.out + "/report.html", walk::render_walk_report(model, rollout, walk.parameters, r, {}, robustness,
                                                         "furcula walk show --model " + o.model + " --walk " +
                                                             o.walk + " --out " + o.out)}});
   say(r, model.limits);

@@ -16,7 +16,7 @@ namespace furcula::diagnose {
 namespace {
 
 using dynamics::has;
-using dynamics::Seat;
+using dynamics::LocationType;
 
 constexpr std::size_t kBins = 12;
 constexpr double kWeakest = 0.1;
@@ -66,10 +66,10 @@ class Associations {
     look(r_.acceleration, "acceleration", "the remaining force changes with the acceleration");
     look_at_position();
     look(r_.time_s, "time_s", "the remaining force changes with the time since the recording began");
-    if (has(model_.kind, Seat::drive))
+    if (has(model_.kind, LocationType::drive))
       look(r_.input, columns_.input, "the remaining force changes with the input");
     look(r_.interval_s, "sample_interval_s", "the remaining force changes with the interval between rows");
-    if (has(model_.kind, Seat::leg)) {
+    if (has(model_.kind, LocationType::leg)) {
       look(r_.since_touchdown_s, "time_since_touchdown_s",
            "in stance the remaining force changes with the time since touch-down");
       look(r_.since_liftoff_s, "time_since_liftoff_s",

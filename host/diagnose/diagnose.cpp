@@ -276,15 +276,16 @@ class Assembly {
     d_.held_out_logs = held_out_.size();
     for (const auto& r : training_) d_.training_files.push_back(r.name), d_.samples += r.rows();
     for (const auto& r : held_out_) d_.held_out_files.push_back(r.name), d_.samples += r.rows();
-    if (dynamics::has(model_.kind, dynamics::Seat::leg)) d_.hops = d_.windows + held_out_windows_.size();
+    if (dynamics::has(model_.kind, dynamics::LocationType::leg))
+      d_.hops = d_.windows + held_out_windows_.size();
     for (const auto* list : {&training_, &held_out_})
       for (const Recording& r : *list) {
-        d_.dirt.refused.insert(d_.dirt.refused.end(), r.refused.begin(), r.refused.end());
-        d_.dirt.notes.insert(d_.dirt.notes.end(), r.notes.begin(), r.notes.end());
+        d_.data_quality.refused.insert(d_.data_quality.refused.end(), r.refused.begin(), r.refused.end());
+        d_.data_quality.notes.insert(d_.data_quality.notes.end(), r.notes.begin(), r.notes.end());
       }
     std::vector<Recording> all = training_;
     all.insert(all.end(), held_out_.begin(), held_out_.end());
-    d_.left_out = identify::left_out(all, model_, options_.window_s);
+    d_.excluded = identify::excluded(all, model_, options_.window_s);
     const auto names = identify::channel_names(model_.kind);
     d_.main_channel = names.position;
     d_.main_unit = names.position_unit;
@@ -362,7 +363,7 @@ class Assembly {
   void foretell_slips() {
     if (!holds(extension().effects, Effect::encoder_slip)) return;
     recorded_ = held_out_;
-    slips_foretold_ = slips_agree();
+    slips_predictable_ = slips_agree();
     const auto slipped_before = [&](const Window& w, bool only_within) {
       const auto& slips = recorded_[w.recording].slips;
       return std::any_of(slips.begin(), slips.end(), [&](const identify::Slip& slip) {
@@ -375,7 +376,7 @@ class Assembly {
       if (const Recording* before = identify::goes_on_from(r, training_);
           before && !before->slip_offset.empty())
         r.slip_offset.assign(r.rows(), before->slip_offset.back());
-      if (!slips_foretold_) continue;
+      if (!slips_predictable_) continue;
       const Recording& like = training_.front();
       if (r.slip_offset.empty()) r.slip_offset.assign(r.rows(), 0.0);
       for (const identify::Slip& slip : like.slips) {
@@ -387,14 +388,14 @@ class Assembly {
         for (std::size_t i = row; i < r.rows(); ++i) r.slip_offset[i] += slip.step;
       }
     }
-    if (slips_foretold_) return;
+    if (slips_predictable_) return;
     // Where all follow one, those that hold none; where all hold one, none is left out.
     for (const bool only_within : {false, true}) {
       std::vector<Window> kept;
       for (const Window& w : held_out_windows_)
         if (!slipped_before(w, only_within)) kept.push_back(w);
       if (kept.empty()) continue;
-      d_.windows_left_out = held_out_windows_.size() - kept.size();
+      d_.windows_excluded = held_out_windows_.size() - kept.size();
       held_out_windows_ = std::move(kept);
       return;
     }
@@ -444,7 +445,7 @@ class Assembly {
         remainder_of(d_.extended_model, training_, crossed_->windows(), held_out_, evenly(held_out_windows_));
     for (std::string& note : identify::disagreeing_held_out(d_.extended_model, training_, held_out_,
                                                             crossed_->windows(), held_out_windows_))
-      d_.dirt.notes.push_back(std::move(note));
+      d_.data_quality.notes.push_back(std::move(note));
   }
 
   /// Nothing is missing in this model but what the machine does not repeat. What the simulator's numerics leave of an ideal
@@ -610,7 +611,7 @@ class Assembly {
         f.confidence = std::min(f.confidence, most);
         f.lowered_by.push_back(std::move(why));
       };
-      const bool told = f.effect != Effect::encoder_slip || slips_foretold_;
+      const bool told = f.effect != Effect::encoder_slip || slips_predictable_;
       limit(f.undecided, kConfidence.undecided, "another cause explains the training recordings as well");
       limit(may_be_none(chosen, model_, f.effect), kConfidence.may_be_none,
             "the interval of its size holds the value at which there is nothing");
@@ -664,7 +665,7 @@ class Assembly {
     return nmse(d_.extended) < (slip_alone() ? kFarOff : 1.0) * nmse(d_.refitted);
   }
   bool slip_alone() const {
-    return !slips_foretold_ && extension().effects == EffectSet{Effect::encoder_slip};
+    return !slips_predictable_ && extension().effects == EffectSet{Effect::encoder_slip};
   }
 
   /// The largest step with its interval, and all of them.
@@ -795,7 +796,7 @@ class Assembly {
     const bool helps = helps_held_out();
     d_.verdict = decide(d_.nothing_left, helps, d_.unnamed_share < kSmallRemainder);
     if (d_.contact_switch.contradicted > 0 && d_.verdict != Verdict::unexplained)
-      d_.dirt.notes.push_back(identify::in_words(d_.contact_switch) + ".");
+      d_.data_quality.notes.push_back(identify::in_words(d_.contact_switch) + ".");
     if (d_.findings.empty() || other_channels_alone()) d_.unnamed_share = 0.0;
   }
 
@@ -930,7 +931,7 @@ class Assembly {
   Diagnosis d_;
   bool withdrawn_ = false;  // the chosen causes, by the training recordings
   bool undecided_ = false;
-  bool slips_foretold_ = false;
+  bool slips_predictable_ = false;
   double crossed_before_ = 0.0, crossed_after_ = 0.0, crossed_floor_ = 0.0;  // NMSE, of training recordings
   bool other_channel_helps_ = false;
 };
@@ -942,19 +943,19 @@ Diagnosis diagnose(const model::Model& model, const std::vector<log::Log>& train
   // One recording that disagrees is taken out, and the rest diagnosed; of a quarter and more nobody can say which are right.
   constexpr double kMinority = 0.25;
   std::vector<log::Log> agreeing = training;
-  std::vector<log::Dirt::LeftOut> left_out;
+  std::vector<log::DataQuality::Excluded> excluded;
   for (;;) {
     Assembly assembly(model, agreeing, held_out, options);
-    assembly.may_disagree(static_cast<double>(left_out.size() + 1) <
+    assembly.may_disagree(static_cast<double>(excluded.size() + 1) <
                           kMinority * static_cast<double>(training.size()));
     Diagnosis d = assembly.run();
     if (const auto& odd = assembly.disagreement()) {
-      left_out.push_back({agreeing[odd->recording].path, odd->why});
+      excluded.push_back({agreeing[odd->recording].path, odd->why});
       agreeing.erase(agreeing.begin() + static_cast<std::ptrdiff_t>(odd->recording));
       continue;
     }
-    if (!left_out.empty()) d.rules_that_acted.insert(Rule::odd_recording);
-    d.dirt.left_out = std::move(left_out);
+    if (!excluded.empty()) d.rules_that_acted.insert(Rule::odd_recording);
+    d.data_quality.excluded = std::move(excluded);
     return d;
   }
 }

@@ -94,9 +94,9 @@ struct Diagnosis : result::Summary {
   dynamics::Kind kind{};
   std::size_t hops = 0;
   std::size_t windows = 0,
-              fitted_windows = 0;           ///< of the training recordings; those that the search was made on
-  std::vector<identify::LeftOut> left_out;  ///< of all recordings
-  std::string main_channel;                 ///< "height", "position" or "angle"
+              fitted_windows = 0;  ///< of the training recordings; those that the search was made on
+  std::vector<identify::Excluded> excluded;  ///< of all recordings
+  std::string main_channel;                  ///< "height", "position" or "angle"
   std::string main_unit;
   Errors baseline, refitted, extended, noise_floor;  ///< held-out; the floor has nmse alone
   std::vector<Finding> findings;
@@ -120,7 +120,7 @@ struct Diagnosis : result::Summary {
   /// What is new from row to row hangs on nothing before (whiteness.hpp); where that cannot be tested, as above.
   bool residual_white = true;
   /// Held-out windows that no figure is of, since they hold or follow a slip that nothing predicts.
-  std::size_t windows_left_out = 0;
+  std::size_t windows_excluded = 0;
   std::optional<Remainder> remainder;  ///< of the extended model
   std::vector<Association> correlated_with;
   /// Where causes cannot be told apart: the experiments that would, the most telling first.

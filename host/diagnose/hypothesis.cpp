@@ -199,7 +199,7 @@ bool takes_energy(const model::Model& model) {
 bool shifts_undo_each_other(const model::Model& model) {
   constexpr double kLeft = 0.25;
   const auto skew = model.effects.find(Effect::time_skew);
-  if (skew == model.effects.end() || dynamics::has(model.kind, dynamics::Seat::leg)) return false;
+  if (skew == model.effects.end() || dynamics::has(model.kind, dynamics::LocationType::leg)) return false;
   double late_s = 0.0;
   for (const Effect e : {Effect::actuator_delay, Effect::actuator_lag})
     if (const auto on = model.effects.find(e); on != model.effects.end()) late_s += on->second[0];

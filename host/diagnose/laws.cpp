@@ -11,7 +11,7 @@ std::set<Effect> laws_of(const model::Model& model, const EffectSet& effects) {
     const auto index = dynamics::parameter_index(model.kind, name);
     return index && model.free.contains(*index);
   };
-  const bool leg = dynamics::has(model.kind, dynamics::Seat::leg);
+  const bool leg = dynamics::has(model.kind, dynamics::LocationType::leg);
   std::set<Effect> laws;
   for (const Effect e : effects) switch (e) {
       case Effect::asymmetric_friction:

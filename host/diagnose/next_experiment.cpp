@@ -113,8 +113,8 @@ class Planner {
   Simulated record(const Scenario& scenario, model::Model truth) const {
     Simulated s;
     truth.effects.erase(Effect::encoder_slip);  // an accident of the recordings that there are
-    // On the shelf's experiments the spring stays caught, and with a clutch the simulated leg knows few effects.
-    if (dynamics::has(model_.kind, dynamics::Seat::heavy_links)) {
+    // In the library's experiments the spring stays caught, and with a clutch the simulated leg knows few effects.
+    if (dynamics::has(model_.kind, dynamics::LocationType::heavy_links)) {
       truth.clutch.reset();
       for (const Effect e : {Effect::late_catch, Effect::incomplete_release, Effect::auxiliary_spring})
         truth.effects.erase(e);
@@ -215,10 +215,11 @@ class Planner {
 
 std::vector<Experiment> library(const model::Model& model, const std::vector<Recording>& recordings) {
   const machines::Rules& rules = machines::rules(model.kind);
-  machines::Shelf shelf(rules.usual_run(model));
-  rules.experiments(shelf, model, reach_of(recordings));
+  machines::ExperimentLibrary experiment_library(rules.usual_run(model));
+  rules.experiments(experiment_library, model, reach_of(recordings));
   std::vector<Experiment> all;
-  for (auto& [what, run] : shelf.take()) all.push_back({std::move(what), Scenario(std::move(run))});
+  for (auto& [what, run] : experiment_library.take())
+    all.push_back({std::move(what), Scenario(std::move(run))});
   return all;
 }
 

@@ -90,7 +90,7 @@ void each_row(const std::vector<Window>& windows, const std::vector<Recording>& 
 /// How far what turns the motor, or the encoder's wheel, goes: rad or m.
 double travel_of_motor(const model::Model& m, const std::vector<Recording>& recordings,
                        const std::vector<Window>& windows) {
-  const bool leg = dynamics::has(m.kind, dynamics::Seat::leg);
+  const bool leg = dynamics::has(m.kind, dynamics::LocationType::leg);
   std::vector<double> angles;
   each_row(windows, recordings, [&](const Recording& r, std::size_t row, const Window&) {
     const double position = r.position[row];

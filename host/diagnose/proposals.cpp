@@ -141,9 +141,9 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
   return all;
 }
 
-Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
-                                 const Values& values, const std::vector<identify::Window>& windows,
-                                 bool shape_held) const {
+Proposer::Screening Proposer::step(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
+                                   const Values& values, const std::vector<identify::Window>& windows,
+                                   bool shape_held) const {
   const std::vector<identify::Unknown> unknowns = unknowns_of(t_.model, larger);
   std::vector<double> at = identify::values_in(on.fitted, unknowns);
   const Values start = identify::fitted_from_law(effect, values, t_.model);
@@ -180,12 +180,12 @@ Proposer::Promise Proposer::step(const Hypothesis& on, const std::vector<Effect>
   if (!std::isfinite(look.squares) || !gradient.allFinite() || !information.allFinite())
     return {std::numeric_limits<double>::infinity(), values};
   const Eigen::VectorXd by = bounded_step(gradient, information, low, high);
-  Promise promise{look.squares + 2.0 * by.dot(gradient) + by.dot(information * by), values};
+  Screening screening{look.squares + 2.0 * by.dot(gradient) + by.dot(information * by), values};
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     if (unknowns[i].of_effect && unknowns[i].effect == effect)
-      promise.values[unknowns[i].parameter] = at[i] + by(static_cast<Eigen::Index>(i));
-  promise.values = identify::law_from_fitted(effect, promise.values, t_.model);
-  return promise;
+      screening.values[unknowns[i].parameter] = at[i] + by(static_cast<Eigen::Index>(i));
+  screening.values = identify::law_from_fitted(effect, screening.values, t_.model);
+  return screening;
 }
 
 std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::vector<Effect>& larger,
@@ -196,7 +196,7 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
   const double pi = std::numbers::pi;
   if (effect == Effect::torque_ripple) {
     double range = high_ - low_;  // rad
-    if (dynamics::has(t_.model.kind, dynamics::Seat::leg)) {
+    if (dynamics::has(t_.model.kind, dynamics::LocationType::leg)) {
       const double length = 2.0 * t_.model.parameter("link_length_m");
       const double stop = machines::touchdown_height_m(t_.model);
       range =
@@ -217,8 +217,8 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
   std::vector<Found> found;
   for (double shape : shapes) {
     const auto position = [&](double phase) { return Values{0.0, shape, phase}; };
-    const Promise sine = step(on, larger, effect, position(0.0), few_, true);
-    const Promise cosine = step(on, larger, effect, position(0.5 * pi), few_, true);
+    const Screening sine = step(on, larger, effect, position(0.0), few_, true);
+    const Screening cosine = step(on, larger, effect, position(0.5 * pi), few_, true);
     const double a = sine.values[0], b = cosine.values[0];
     found.push_back({sine.squares + cosine.squares, {std::hypot(a, b), shape, std::atan2(b, a)}});
   }
@@ -249,16 +249,16 @@ Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger,
   Proposal proposal{effect, {}, {}, -std::numeric_limits<double>::infinity()};
   const std::vector<Values> all =
       dynamics::info(effect).search.swings ? swings(on, larger, effect) : starts(effect);
-  std::vector<Promise> promises;
-  for (const Values& values : all) promises.push_back(step(on, larger, effect, values, some_, false));
-  if (promises.empty()) return proposal;  // a travel too short for any
-  std::stable_sort(promises.begin(), promises.end(),
-                   [](const Promise& a, const Promise& b) { return a.squares < b.squares; });
-  proposal.values = promises.front().values;
-  proposal.gain = 1.0 - promises.front().squares / std::max(left, 1e-300);
+  std::vector<Screening> screenings;
+  for (const Values& values : all) screenings.push_back(step(on, larger, effect, values, some_, false));
+  if (screenings.empty()) return proposal;  // a travel too short for any
+  std::stable_sort(screenings.begin(), screenings.end(),
+                   [](const Screening& a, const Screening& b) { return a.squares < b.squares; });
+  proposal.values = screenings.front().values;
+  proposal.gain = 1.0 - screenings.front().squares / std::max(left, 1e-300);
   if (all.size() > 2)
-    for (std::size_t i = 1; i < promises.size() && i <= kOthers; ++i)
-      if (std::isfinite(promises[i].squares)) proposal.others.push_back(promises[i].values);
+    for (std::size_t i = 1; i < screenings.size() && i <= kOthers; ++i)
+      if (std::isfinite(screenings[i].squares)) proposal.others.push_back(screenings[i].values);
   return proposal;
 }
 

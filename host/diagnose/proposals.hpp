@@ -28,7 +28,7 @@ class Proposer {
 
  private:
   using Values = std::array<double, dynamics::kMaxEffectParameters>;
-  struct Promise {
+  struct Screening {
     double squares;  ///< after the step
     Values values;   ///< of the effect after it, within bounds
   };
@@ -37,8 +37,8 @@ class Proposer {
   /// frequency. `at(frequency)` gives the parameter.
   std::vector<Values> swings(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
                              dynamics::Effect effect) const;
-  Promise step(const Hypothesis& on, const std::vector<dynamics::Effect>& larger, dynamics::Effect effect,
-               const Values& values, const std::vector<identify::Window>& windows, bool shape_held) const;
+  Screening step(const Hypothesis& on, const std::vector<dynamics::Effect>& larger, dynamics::Effect effect,
+                 const Values& values, const std::vector<identify::Window>& windows, bool shape_held) const;
 
   const Trainer& t_;
   std::vector<identify::Window> some_, few_;  ///< of the training windows

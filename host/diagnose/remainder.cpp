@@ -509,7 +509,7 @@ std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vec
   const bool driven = std::any_of(training.begin(), training.end(), [](const Recording& r) {
     return std::any_of(r.input.begin(), r.input.end(), [](double u) { return u != 0; });
   });
-  const Basis basis(fit, driven, dynamics::has(fitted.kind, dynamics::Seat::leg));
+  const Basis basis(fit, driven, dynamics::has(fitted.kind, dynamics::LocationType::leg));
   const Sizes sizes = likeliest(fit, out.typical_force);
   out.random_force = sizes.force;
   out.correlation_s = sizes.correlation_s;

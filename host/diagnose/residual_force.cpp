@@ -93,7 +93,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
   for (dynamics::Effect e : named) bare.effects.erase(e);
   const Acceleration with(model), without(bare);
   const double mass = machines::rules(model.kind).inertia(model);
-  const bool leg = dynamics::has(model.kind, dynamics::Seat::leg);
+  const bool leg = dynamics::has(model.kind, dynamics::LocationType::leg);
   const double touchdown = leg ? machines::touchdown_height_m(model) : 0.0;
 
   std::size_t rows = 0;
@@ -113,7 +113,7 @@ ResidualForce residual_force(const model::Model& model, const std::vector<dynami
       }
       if (i - first < 2 || last - i < 2) continue;
       // Of a belt the middle of its fall, clear of where it is let go and of where it is held.
-      if (dynamics::has(model.kind, dynamics::Seat::belt) && !falls(r, first, last)) continue;
+      if (dynamics::has(model.kind, dynamics::LocationType::belt) && !falls(r, first, last)) continue;
       if (!r.contact.empty() && std::any_of(r.contact.begin() + static_cast<std::ptrdiff_t>(first),
                                             r.contact.begin() + static_cast<std::ptrdiff_t>(last) + 1,
                                             [](double touches) { return touches != 0.0; }))

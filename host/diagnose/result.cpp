@@ -73,7 +73,7 @@ result::Finding finding(const Finding& f, const Diagnosis& d, const std::string&
   for (const auto& [name, e] : f.parameters)
     out.cause.parameters.push_back(estimate(name, unit_of(effect, name, d.kind), e));
   out.title = effect.title;
-  if (dynamics::has(d.kind, dynamics::Seat::leg)) out.phase = effect.phase;
+  if (dynamics::has(d.kind, dynamics::LocationType::leg)) out.phase = effect.phase;
   out.law = effect.law;
   out.explanation = f.explanation;
   out.where_to_look = effect.where_to_look;
@@ -157,9 +157,9 @@ std::vector<result::ChannelError> channel_errors(const Errors& errors, dynamics:
   return out;
 }
 
-std::vector<result::ExcludedWindows> excluded_windows(const std::vector<identify::LeftOut>& windows) {
+std::vector<result::ExcludedWindows> excluded_windows(const std::vector<identify::Excluded>& windows) {
   std::vector<result::ExcludedWindows> out;
-  for (const identify::LeftOut& l : windows) out.push_back({l.why, l.windows, l.share, l.seconds, l.logs});
+  for (const identify::Excluded& l : windows) out.push_back({l.why, l.windows, l.share, l.seconds, l.logs});
   return out;
 }
 
@@ -170,8 +170,8 @@ result::Diagnosis result_of(const Diagnosis& d) {
   out.hops = d.hops;
   out.windows = d.windows;
   out.fitted_windows = d.fitted_windows;
-  out.held_out_windows_excluded = d.windows_left_out;
-  out.excluded_windows = excluded_windows(d.left_out);
+  out.held_out_windows_excluded = d.windows_excluded;
+  out.excluded_windows = excluded_windows(d.excluded);
   out.baseline = channel_errors(d.baseline, d.kind);
   out.refitted = channel_errors(d.refitted, d.kind);
   out.extended = channel_errors(d.extended, d.kind);

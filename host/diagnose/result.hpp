@@ -16,6 +16,6 @@ std::string_view channel_unit(std::string_view channel, dynamics::Kind kind);
 /// Errors in the order of their channels' names, with the units of this kind.
 std::vector<result::ChannelError> channel_errors(const Errors& errors, dynamics::Kind kind);
 
-std::vector<result::ExcludedWindows> excluded_windows(const std::vector<identify::LeftOut>& windows);
+std::vector<result::ExcludedWindows> excluded_windows(const std::vector<identify::Excluded>& windows);
 
 }  // namespace furcula::diagnose

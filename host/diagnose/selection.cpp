@@ -30,9 +30,9 @@ constexpr double kPlainly = 2.0, kAtAll = 0.5;  ///< standard errors
 constexpr double kSmallestLoss = 0.04;          ///< of squares: less is no reason for a parameter more
 constexpr std::size_t kMostFits = 8;            ///< of the first round; half of them in the later ones
 constexpr std::size_t kFewestFits = 3;
-constexpr double kSmallestPromise = 0.2;  ///< of the best proposal's
-constexpr std::size_t kMostRivals = 4;    ///< that are fitted in the place of each member
-constexpr std::size_t kMostParts = 5;     ///< effects that pairs in the place of a member are made of
+constexpr double kSmallestScreening = 0.2;  ///< of the best proposal's
+constexpr std::size_t kMostRivals = 4;      ///< that are fitted in the place of each member
+constexpr std::size_t kMostParts = 5;       ///< effects that pairs in the place of a member are made of
 constexpr int kMostSwaps = 2;
 constexpr std::size_t kBeam = 4;  ///< effects that a pair may begin with
 
@@ -168,7 +168,7 @@ class Search {
              (lacking && wider) || p.effect == Effect::encoder_slip ||
              ((most >= kMostFits || lacking) &&
               (p.effect == Effect::coulomb_friction ||
-               (!dynamics::has(trainer_.model.kind, dynamics::Seat::leg) &&
+               (!dynamics::has(trainer_.model.kind, dynamics::LocationType::leg) &&
                 (p.effect == Effect::asymmetric_friction || p.effect == Effect::stribeck_friction))));
     };
     const auto first_other = std::stable_partition(proposals.begin(), proposals.end(), always);
@@ -183,7 +183,7 @@ class Search {
     double most_promising = 0.0;
     for (const Proposal& p : proposals) most_promising = std::max(most_promising, p.gain);
     std::size_t count = std::min(std::max(fixed, kFewestFits), most);
-    while (count < most && proposals[count].gain > kSmallestPromise * most_promising) ++count;
+    while (count < most && proposals[count].gain > kSmallestScreening * most_promising) ++count;
     return count;
   }
 
@@ -221,7 +221,7 @@ class Search {
         if (!stands_for_a_member(s_.chosen.effects, e)) left.push_back(e);
       const double from = 0.05 + 0.18 * static_cast<double>(round);
       std::vector<Proposal> proposals = propose(s_.chosen, left, from, 0.09);
-      if (round == 0) first_promises_ = proposals;
+      if (round == 0) first_screenings_ = proposals;
       EffectSet promised;
       std::vector<Tried> trials(
           worth_a_fit(proposals, s_.chosen, round == 0 ? kMostFits : kMostFits / 2, promised));
@@ -392,7 +392,7 @@ class Search {
     if (s_.chosen.effects.size() < 2) return;
     tell(0.78, "one cause in the place of several");
     std::vector<Proposal> singles;
-    for (const Proposal& p : first_promises_) {
+    for (const Proposal& p : first_screenings_) {
       const bool known = std::any_of(s_.tried.begin(), s_.tried.end(), [&](const Tried& t) {
         return t.round == 0 && t.hypothesis.effects == EffectSet{p.effect};
       });
@@ -629,7 +629,8 @@ class Search {
     constexpr double kAWholeRow = 0.9, kMostOfIt = 0.5;
     const EffectSet& members = s_.chosen.effects;
     if (!holds(members, Effect::time_skew) || holds(members, Effect::actuator_delay) ||
-        holds(members, Effect::actuator_lag) || dynamics::has(trainer_.model.kind, dynamics::Seat::leg) ||
+        holds(members, Effect::actuator_lag) ||
+        dynamics::has(trainer_.model.kind, dynamics::LocationType::leg) ||
         judged_on(Effect::actuator_lag, trainer_.recordings) != identify::Channel::motion)
       return;
     const double row_s = trainer_.row_s(), early_s = -s_.chosen.fitted.effects.at(Effect::time_skew)[0];
@@ -805,8 +806,8 @@ class Search {
   const Progress& progress_;
   const WithoutRules& off_;
   EffectSet all_;
-  std::vector<Proposal> first_promises_;  ///< on top of the re-fitted model
-  std::map<EffectSet, Hypothesis> pool_;  ///< all sets that were fitted
+  std::vector<Proposal> first_screenings_;  ///< on top of the re-fitted model
+  std::map<EffectSet, Hypothesis> pool_;    ///< all sets that were fitted
   Selection s_;
 };
 

@@ -133,7 +133,7 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
 }
 
 bool Trainer::clutch_works() const {
-  return dynamics::has(model.kind, dynamics::Seat::belt) ||
+  return dynamics::has(model.kind, dynamics::LocationType::belt) ||
          (model.clutch && std::any_of(recordings.begin(), recordings.end(),
                                       [](const auto& r) { return !r.solenoid.empty(); }));
 }
@@ -146,7 +146,7 @@ bool Trainer::shows(Effect e) const {
   };
   switch (e) {
     case Effect::time_skew:  // a leg's contact switch has the commands' clock, too
-      if (dynamics::has(model.kind, dynamics::Seat::leg)) return true;
+      if (dynamics::has(model.kind, dynamics::LocationType::leg)) return true;
       [[fallthrough]];
     case Effect::actuator_delay:
     case Effect::actuator_lag:
@@ -198,7 +198,7 @@ Trainer::Travel Trainer::travel() const {
 
 double Trainer::fewest_ripples() const {
   constexpr double kCycles = 1.25;  // a quarter of the first swing comes again
-  if (dynamics::has(model.kind, dynamics::Seat::leg)) return 0.0;
+  if (dynamics::has(model.kind, dynamics::LocationType::leg)) return 0.0;
   const auto [low, high] = travel();
   return kCycles * 2.0 * std::numbers::pi / std::max(high - low, 1e-3);
 }

@@ -253,8 +253,8 @@ std::string summary_of(const Diagnosis& d) {
 }  // namespace
 
 std::string summary(const Diagnosis& d) {
-  if (d.windows_left_out == 0) return summary_of(d);
-  return summary_of(d) + " No figure is of " + std::to_string(d.windows_left_out) +
+  if (d.windows_excluded == 0) return summary_of(d);
+  return summary_of(d) + " No figure is of " + std::to_string(d.windows_excluded) +
          " held-out windows that hold or follow a slip of the encoder, which cannot be predicted.";
 }
 

@@ -125,7 +125,7 @@ std::optional<double> break_even_m(const std::vector<Point>& points, Measure mea
 }
 
 Study run_study(const model::Model& model, const Options& options) {
-  if (!dynamics::has(model.kind, dynamics::Seat::heavy_links) || !model.clutch)
+  if (!dynamics::has(model.kind, dynamics::LocationType::heavy_links) || !model.clutch)
     throw core::DataError(
         "the model has no clutch; expected a hopper_nonlinear with a tooth_pitch_m above 0");
   if (!model.effects.empty())

@@ -290,7 +290,7 @@ Check check(const trees::TreeModel& m, const std::vector<Subject>& subjects,
     const trees::Reported all = trees::reported(m, fit);
     for (std::size_t k = 0; k < all.rows.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      const trees::Told told = trees::told(m, all, k, problem.scales().still);
+      const trees::ParameterVerdict told = trees::parameter_verdict(m, all, k, problem.scales().still);
       out.parameters.push_back({all.rows[k].name, all.rows[k].unit, all.rows[k].given,
                                 k95 * std::sqrt(all.covariance(i, i)), told.verdict, told.with});
     }

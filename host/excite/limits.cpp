@@ -32,7 +32,7 @@ class Holding {
  public:
   explicit Holding(const trees::TreeModel& m) : tree_(trees::SetupMaker(m).make(m.drives, m.causes).model) {
     for (std::size_t j = 0; j < m.joints(); ++j)
-      if (m.drives[j].law == trees::DriveLaw::position) {
+      if (m.drives[j].law == trees::ControlMode::position) {
         tree_.laws[j].stiffness_nmprad -= m.drives[j].kp_nmprad;
         tree_.laws[j].damping_nmspr -= m.drives[j].kd_nmsprad;
       }

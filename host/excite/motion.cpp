@@ -29,7 +29,7 @@ constexpr double kLooks = 24.0;
 
 bool follows(const trees::TreeModel& m) {
   return std::all_of(m.drives.begin(), m.drives.end(),
-                     [](const trees::Drive& d) { return d.law == trees::DriveLaw::torque; });
+                     [](const trees::Drive& d) { return d.law == trees::ControlMode::torque; });
 }
 
 void add(Extremes& e, bool first, double q, double v, double torque) {
@@ -76,14 +76,15 @@ std::vector<Extremes> simulated(const trees::TreeModel& m, trees::Scenario s) {
     const trees::Drive& d = m.drives[j];
     const std::vector<double>& q = log.columns.at(trees::column_of(m, j, "angle"));
     const std::vector<double>& input = log.columns.at(
-        trees::column_of(m, j, d.law == trees::DriveLaw::position ? "angle_cmd" : "torque_cmd"));
+        trees::column_of(m, j, d.law == trees::ControlMode::position ? "angle_cmd" : "torque_cmd"));
     for (std::size_t k = 0; k < q.size(); ++k) {
       const std::size_t a = k > 0 ? k - 1 : 0, b = std::min(k + 1, q.size() - 1);
       const double v = (q[b] - q[a]) / (time[b] - time[a]);
       add(out[j], k == 0, q[k], v,
-          d.law == trees::DriveLaw::position ? d.kp_nmprad * (input[k] - q[k]) - d.kd_nmsprad * v : input[k]);
+          d.law == trees::ControlMode::position ? d.kp_nmprad * (input[k] - q[k]) - d.kd_nmsprad * v
+                                                : input[k]);
       // The set point, too, is within the range.
-      if (d.law == trees::DriveLaw::position) add(out[j], false, input[k], 0.0, 0.0);
+      if (d.law == trees::ControlMode::position) add(out[j], false, input[k], 0.0, 0.0);
     }
   }
   return out;

@@ -39,7 +39,7 @@ Json causes_json(const Check& check) {
           {"unit", n.unit}, {"size", number(n.size)}, {"ci95_half_width", number(n.half_width)}};
     out.push_back({{"cause", c.name},
                    {"effect", std::string(e.name)},
-                   {"location_type", std::string(trees::name(e.seat))},
+                   {"location_type", std::string(trees::name(e.location_type))},
                    {"parameters", numbers},
                    {"visible", c.seen},
                    {"visible_in_any_motion", c.ever}});

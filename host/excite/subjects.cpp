@@ -11,7 +11,7 @@ namespace {
 
 using trees::Effect;
 
-bool is_left_out(const trees::Candidate& c) {
+bool is_excluded(const trees::Candidate& c) {
   switch (c.effect) {
     case Effect::torque_saturation:
     case Effect::binding_spot:
@@ -26,7 +26,7 @@ bool is_left_out(const trees::Candidate& c) {
 Subject of_cause(const trees::TreeModel& m, const trees::Hypothesis& given, const trees::Candidate& c) {
   const trees::EffectInfo& e = trees::info(c.effect);
   Subject out{trees::cause_name(m, c.columns.front()), false, c.columns.front(), {}, 0};
-  const bool linear = trees::is_linear(m, e.seat, c.sites.front());
+  const bool linear = trees::is_linear(m, e.location_type, c.sites.front());
   for (std::size_t k = 0; k < c.columns.size(); ++k) {
     // The parameter that this column moves.
     std::size_t moved = 0;
@@ -73,7 +73,7 @@ std::vector<Subject> subjects(const trees::Problem& reference) {
     out.back().numbers.push_back(std::move(n));
   }
   for (const trees::Candidate& c : trees::candidates(reference, given, {})) {
-    if (is_left_out(c)) continue;
+    if (is_excluded(c)) continue;
     // Of a delay several sizes are tried, of a payload several places: the first of them.
     const bool again = std::any_of(out.begin(), out.end(), [&](const Subject& s) {
       return s.cause && s.cause->effect == c.effect && s.cause->sites == c.sites;

@@ -68,7 +68,7 @@ Recording recording_of(const log::Log& log) {
 
 std::vector<Window> windows_of(const Recording& recording, std::size_t index, double length_s,
                                Unused* unused) {
-  Unused left_out;
+  Unused excluded;
   const auto& rows = recording.rows;
   std::vector<Window> out;
   const auto lands = [&](std::size_t k) {
@@ -92,20 +92,20 @@ std::vector<Window> windows_of(const Recording& recording, std::size_t index, do
     phase = landing ? 0 : phase + 1;
     const double duration_s = rows[end - 1].time_s - rows[first].time_s;
     if (!w.stance[0] && !w.stance[1])
-      left_out.no_stance_s += duration_s;
+      excluded.no_stance_s += duration_s;
     else if (duration_s > 0.5 * length_s)
       out.push_back(w);
     else
-      left_out.short_s += duration_s;
+      excluded.short_s += duration_s;
     first = end - (landing ? 0 : 1);
     if (landing)
       for (std::size_t landed = end;
            first + 1 < rows.size() && rows[first].time_s - rows[landed].time_s < kAfterLanding_s - 1e-9;)
         if (lands(++first)) landed = first;
     if (!landing && first == w.first) ++first;
-    left_out.landings_s += rows[std::min(first, rows.size() - 1)].time_s - rows[end - 1].time_s;
+    excluded.landings_s += rows[std::min(first, rows.size() - 1)].time_s - rows[end - 1].time_s;
   }
-  if (unused != nullptr) *unused = left_out;
+  if (unused != nullptr) *unused = excluded;
   return out;
 }
 

@@ -13,10 +13,10 @@ namespace {
 
 using namespace dynamics::biped;
 using dynamics::clamped;
-using dynamics::Lanes;
+using dynamics::SimdBatch;
 
 constexpr std::size_t kLanes = 4;
-using T = Lanes<double, kLanes>;
+using T = SimdBatch<double, kLanes>;
 using L = LegScalar<T>;
 static_assert(std::is_same_v<L, T>);
 constexpr double kHold_s = 0.5e-3;  // a board gives targets each millisecond: in the mean half of it late

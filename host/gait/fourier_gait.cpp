@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host/gait/gait_programme.hpp"
+#include "host/gait/gait_nlp.hpp"
 #include "host/identify/dual.hpp"
 
 namespace furcula::gait {
@@ -30,13 +30,13 @@ double bernstein(std::size_t n, std::size_t k, double s) {
 
 /// The splines' gait, with torques that a law gives: at as many points as the splines have freedoms the torque that
 /// the motion needs is the law's.
-class LawProgramme : public GaitProgramme {
+class LawNlp : public GaitNlp {
  public:
   /// `rising` phases of the flight lie before the apex.
-  LawProgramme(const Machine& machine, const Task& task, const std::vector<JointPath>& start,
-               const std::vector<Turn>& turns, std::size_t rising, const FourierParameters<double>& law,
-               double rounding)
-      : GaitProgramme(machine, task, start, turns, rounding), rising_(rising) {
+  LawNlp(const Machine& machine, const Task& task, const std::vector<JointPath>& start,
+         const std::vector<Turn>& turns, std::size_t rising, const FourierParameters<double>& law,
+         double rounding)
+      : GaitNlp(machine, task, start, turns, rounding), rising_(rising) {
     const auto add = [&](double low, double high, double value) {
       return p_.variable(low, high, std::clamp(value, low, high));
     };
@@ -380,20 +380,20 @@ FourierResult find_fourier_gait(const Machine& machine, const Task& task, const 
   result.gait.law.omega_radps *= options.omega_factor;
   const bool kinks = has_kinks(machine, task);
   for (const double rounding : kinks ? std::vector<double>{2e-2, 2e-3, 3e-4} : std::vector<double>{1e-5}) {
-    LawProgramme programme(machine, task, paths, turns, rising, result.gait.law, rounding);
+    LawNlp nlp(machine, task, paths, turns, rising, result.gait.law, rounding);
     SolveOptions solving;
     solving.iterations = options.iterations;
     solving.progress = options.progress;
     if (rounding < 1e-2 && kinks) solving.barrier = 1e-4;
-    const Solution solution = solve(programme.programme(), solving);
+    const Solution solution = solve(nlp.nlp(), solving);
     result.found = solution.found;
     result.status = solution.status;
     result.violation = solution.violation;
     result.worst = solution.worst;
     result.iterations += solution.iterations;
     if (!solution.found) return result;
-    paths = programme.paths(solution.x);
-    result.gait.law = programme.law(solution.x);
+    paths = nlp.paths(solution.x);
+    result.gait.law = nlp.law(solution.x);
     result.gait.cost = solution.cost;
   }
   // The apex of these paths.

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/gait/gait_programme.hpp"
+#include "host/gait/gait_nlp.hpp"
 
 namespace furcula::gait {
 namespace {
@@ -103,13 +103,13 @@ FreeResult find_free_gait(const Machine& machine, const Task& task, const FreeGa
   // Until the share of the stance at which a spring catches stays.
   if (machine.catching.delay_s > 0.0) roundings.insert(roundings.end(), {3e-4, 3e-4});
   for (const double rounding : roundings) {
-    GaitProgramme builder(machine, task, {out.gait.phases.begin(), out.gait.phases.end()},
-                          {task.clearance_m ? Turn::top : Turn::apex}, rounding, options.margin);
+    GaitNlp builder(machine, task, {out.gait.phases.begin(), out.gait.phases.end()},
+                    {task.clearance_m ? Turn::top : Turn::apex}, rounding, options.margin);
     SolveOptions s;
     s.iterations = options.iterations;
     s.progress = options.progress;
     if (near) s.barrier = 1e-4;
-    Solution solution = solve(builder.programme(), s);
+    Solution solution = solve(builder.nlp(), s);
     out.iterations += solution.iterations;
     out.found = solution.found;
     out.status = solution.status;

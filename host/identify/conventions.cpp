@@ -26,13 +26,13 @@ class OneJoint final : public conventions::Family {
       joint.input_column = rules.columns.input;  // there the input is a coil
     joint.position = rotary ? Quantity::angle : Quantity::length;
     joint.input =
-        rotary || dynamics::has(model.kind, dynamics::Seat::leg) ? Quantity::torque : Quantity::force;
+        rotary || dynamics::has(model.kind, dynamics::LocationType::leg) ? Quantity::torque : Quantity::force;
     joint.heaviest = conventions::kInertiaWithin;  // with the motor's rotor
     // Weight and inertia are of one mass.
     if (dynamics::parameter_index(model.kind, "gravity_mps2")) joint.lightest = 1.0;
     joints_.push_back(joint);
-    leg_ = dynamics::has(model.kind, dynamics::Seat::leg);
-    belt_ = dynamics::has(model.kind, dynamics::Seat::belt);
+    leg_ = dynamics::has(model.kind, dynamics::LocationType::leg);
+    belt_ = dynamics::has(model.kind, dynamics::LocationType::belt);
     if (leg_) touchdown_m_ = machines::touchdown_height_m(model);
     setups_.emplace_back(model, std::vector<Unknown>{}, nullptr);
     inertia_ = rules.inertia(model);

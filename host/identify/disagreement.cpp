@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host/core/message.hpp"
-#include "host/core/odd_one.hpp"
+#include "host/core/outlier.hpp"
 #include "host/core/quantile.hpp"
 #include "host/machines/rules.hpp"
 
@@ -103,8 +103,8 @@ std::vector<double> squares_without(const Fit& fit, const std::vector<Window>& w
   return squares;
 }
 
-core::OddOne apart(const Left& left, std::size_t i) {
-  core::OddOne found = core::odd_one(left.nmse, i);
+core::Outlier apart(const Left& left, std::size_t i) {
+  core::Outlier found = core::outlier(left.nmse, i);
   found.far = found.far && left.over_noise[i] > kOverNoise;
   return found;
 }
@@ -159,7 +159,7 @@ std::optional<Disagreement> disagreeing(const std::vector<FittedSet>& sets,
                                           Weighting::noise, set.fit.layers);
     const Fit look = look_by_simulation(set.model, set.unknowns, without.values, recordings, windows);
     const Left left = left_by(look.shares, squares_of_motion(look.shares), recordings, windows);
-    const core::OddOne found = apart(left, suspect.recording);
+    const core::Outlier found = apart(left, suspect.recording);
     if (!found.far || !another(suspect.set, suspect.recording, without)) continue;
     return Disagreement{suspect.recording,
                         "disagrees with the other " + std::to_string(recordings.size() - 1) +
@@ -185,7 +185,7 @@ std::vector<std::string> disagreeing_held_out(const model::Model& fitted,
     Left beside = training_left;
     beside.nmse.push_back(left.nmse[i]);
     beside.over_noise.push_back(left.over_noise[i]);
-    const core::OddOne found = apart(beside, training.size());
+    const core::Outlier found = apart(beside, training.size());
     if (!found.far) continue;
     std::vector<Recording> recordings = training;
     recordings.push_back(held_out[i]);

@@ -27,7 +27,7 @@ struct FittedSet {
 using LikelierOfAnother = std::function<bool(std::size_t set, std::size_t recording, const Fit& without)>;
 
 /// The recording that disagrees with the others most, if one does grossly: with a set fitted on the others alone, runs leave far more of its
-/// motion (by NMSE: core::odd_one) and far more than noise, though it was driven, and moved, as they were: one that was driven otherwise
+/// motion (by NMSE: core::outlier) and far more than noise, though it was driven, and moved, as they were: one that was driven otherwise
 /// may show what they do not. Of at least five recordings. What a fit on the others leaves of it is no proof: they may not tell what it
 /// shows. So `another` decides.
 ///

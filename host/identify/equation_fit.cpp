@@ -16,7 +16,7 @@ namespace {
 /// What a channel's errors are measured by: its spread over the window on the hopper (002 eq. 4.4), over the
 /// recording on an axis, which may rest through a window.
 double spread(const std::vector<double>& values, const Recording& r, const Window& w) {
-  const bool leg = dynamics::has(r.kind, dynamics::Seat::leg);
+  const bool leg = dynamics::has(r.kind, dynamics::LocationType::leg);
   const std::size_t first = leg ? w.first : 0, last = leg ? w.last : r.rows() - 1;
   double mean = 0.0, squares = 0.0;
   for (std::size_t i = first; i <= last; ++i) mean += values[i] / static_cast<double>(last - first + 1);

@@ -28,7 +28,8 @@ bool restitution_is_free(const model::Model& model) {
 /// The windows that parameters are fitted on.
 TrainingWindows fit_windows(const std::vector<Recording>& recordings, const model::Model& model,
                             double window_s) {
-  if (!dynamics::has(model.kind, dynamics::Seat::leg)) return training_windows(recordings, model, window_s);
+  if (!dynamics::has(model.kind, dynamics::LocationType::leg))
+    return training_windows(recordings, model, window_s);
   TrainingWindows t;
   const bool whole = restitution_is_free(model);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -78,8 +79,8 @@ class Work {
     Identification out;
     for (const auto* list : {&training_, &held_out_})
       for (const Recording& r : *list) {
-        out.dirt.refused.insert(out.dirt.refused.end(), r.refused.begin(), r.refused.end());
-        out.dirt.notes.insert(out.dirt.notes.end(), r.notes.begin(), r.notes.end());
+        out.data_quality.refused.insert(out.data_quality.refused.end(), r.refused.begin(), r.refused.end());
+        out.data_quality.notes.insert(out.data_quality.notes.end(), r.notes.begin(), r.notes.end());
       }
     out.kind = model_.kind;
     out.logs = training_.size() + held_out_.size();
@@ -93,7 +94,7 @@ class Work {
     for (const auto& r : held_out_) out.held_out_files.push_back(r.name), out.samples += r.rows();
     std::vector<Recording> all = training_;
     all.insert(all.end(), held_out_.begin(), held_out_.end());
-    out.left_out = left_out(all, model_, options_.window_s);
+    out.excluded = excluded(all, model_, options_.window_s);
     if (options_.by_simulation) out.estimations.push_back(estimate(Method::simulation));
     if (options_.by_equation) out.estimations.push_back(estimate(Method::equation));
     if (!held_out_windows_.empty())
@@ -153,7 +154,7 @@ class Work {
   }
 
   Fit fit(Method method, const std::vector<double>& start, const std::vector<Window>& windows) const {
-    const bool leg = dynamics::has(model_.kind, dynamics::Seat::leg);
+    const bool leg = dynamics::has(model_.kind, dynamics::LocationType::leg);
     if (method == Method::simulation)
       return fit_by_simulation(model_, unknowns_, start, training_, windows,
                                leg ? Weighting::nmse : Weighting::noise, fit_windows_.layers);
@@ -201,7 +202,7 @@ class Work {
       p.with = verdicts[i].with;
       e.parameters.push_back(std::move(p));
     }
-    if (dynamics::has(model_.kind, dynamics::Seat::leg)) {
+    if (dynamics::has(model_.kind, dynamics::LocationType::leg)) {
       Derived d{"damped_frequency_radps", "rad/s", damped_frequency(e.model), {}};
       for (const auto& values : estimates)
         d.folds.push_back(damped_frequency(with_values(model_, unknowns_, values)));

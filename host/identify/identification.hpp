@@ -60,11 +60,11 @@ struct Identification {
   std::size_t logs = 0, windows = 0, samples = 0, held_out_logs = 0;
   std::size_t folds = 0;
   std::vector<std::string> training_files, held_out_files;
-  std::vector<LeftOut> left_out;   ///< of all recordings
+  std::vector<Excluded> excluded;  ///< of all recordings
   std::optional<Errors> as_given;  ///< held-out errors of the model as given
   std::string main_channel, main_unit;
   std::vector<FittedTrace> traces;
-  log::Dirt dirt;
+  log::DataQuality data_quality;
 };
 
 struct IdentifyOptions {

@@ -319,21 +319,21 @@ class Manoeuvres {
 }  // namespace
 
 void follow_manoeuvres(std::vector<Recording>& recordings, const model::Model& model) {
-  if (!dynamics::has(model.kind, dynamics::Seat::leg)) return;
+  if (!dynamics::has(model.kind, dynamics::LocationType::leg)) return;
   for (Recording& r : recordings) Manoeuvres(r, model).follow();
 }
 
-std::vector<LeftOut> left_out(const std::vector<Recording>& recordings, const model::Model& model,
-                              double window_s) {
+std::vector<Excluded> excluded(const std::vector<Recording>& recordings, const model::Model& model,
+                               double window_s) {
   if (std::all_of(recordings.begin(), recordings.end(),
                   [](const Recording& r) { return r.not_followed.empty(); }))
     return {};
   std::vector<Recording> whole = recordings;
   for (Recording& r : whole) r.not_followed.clear();
   const std::vector<Window> windows = prediction_windows(whole, model, window_s);
-  std::vector<LeftOut> all;
+  std::vector<Excluded> all;
   for (std::size_t k = 0; k < kWhy.size(); ++k) {
-    LeftOut one;
+    Excluded one;
     one.why = kWhy[k];
     for (const Window& w : windows) {
       const Recording& r = recordings[w.recording];
@@ -351,7 +351,7 @@ std::vector<LeftOut> left_out(const std::vector<Recording>& recordings, const mo
   return all;
 }
 
-std::string sentence(const LeftOut& of) {
+std::string sentence(const Excluded& of) {
   std::string logs;
   for (const std::string& name : of.logs) logs += (logs.empty() ? "" : ", ") + name;
   return std::to_string(of.windows) + (of.windows == 1 ? " stride" : " strides") + " (" +
@@ -362,7 +362,7 @@ std::string sentence(const LeftOut& of) {
 std::string nothing_left(const std::vector<Recording>& recordings, const model::Model& model,
                          double window_s) {
   std::string text;
-  for (const LeftOut& one : left_out(recordings, model, window_s))
+  for (const Excluded& one : excluded(recordings, model, window_s))
     text += (text.empty() ? "" : "; ") + sentence(one);
   return text;
 }

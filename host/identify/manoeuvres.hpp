@@ -22,18 +22,18 @@ namespace furcula::identify {
 void follow_manoeuvres(std::vector<Recording>& recordings, const model::Model& model);
 
 /// Prediction windows that hold rows which are not followed, and are left out for that.
-struct LeftOut {
+struct Excluded {
   std::string why;
   std::size_t windows = 0;
   double share = 0.0;  ///< of all windows
   double seconds = 0.0;
   std::vector<std::string> logs;
 };
-std::vector<LeftOut> left_out(const std::vector<Recording>& recordings, const model::Model& model,
-                              double window_s);
+std::vector<Excluded> excluded(const std::vector<Recording>& recordings, const model::Model& model,
+                               double window_s);
 
 /// "3 of 24 strides (1.2 s) are left out, in a.csv, b.csv: why".
-std::string sentence(const LeftOut& of);
+std::string sentence(const Excluded& of);
 
 /// What a refusal says of them where no window is left; empty where none was left out.
 std::string nothing_left(const std::vector<Recording>& recordings, const model::Model& model,

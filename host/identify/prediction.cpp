@@ -49,7 +49,7 @@ Errors pool(const std::vector<Recording>& recordings, const std::vector<Window>&
     fill(k, position, velocity);
     const std::string channel = channel_names(r.kind).position;
     sums[channel] += sums_of(r.position, w.first, position, 0, w.rows() - 1);
-    if (dynamics::has(r.kind, dynamics::Seat::leg) || r.velocity_recorded)
+    if (dynamics::has(r.kind, dynamics::LocationType::leg) || r.velocity_recorded)
       sums["velocity"] += sums_of(r.velocity, w.first, velocity, 0, w.rows() - 1);
     if (w.kind == WindowKind::stride) {
       sums["height_stance"] +=

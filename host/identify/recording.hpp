@@ -62,7 +62,7 @@ struct Recording {
   std::vector<double> slip_offset;  ///< by how much each row is off by them; empty without any
   double position_noise = 0.0;      ///< standard deviation, from what neighbouring samples do not share
   double velocity_noise = 0.0;
-  std::vector<log::RefusedRow> refused;             ///< rows of the log that are not among these
+  std::vector<log::RejectedRow> refused;            ///< rows of the log that are not among these
   std::vector<std::string> notes;                   ///< what else was done to it, in sentences
   std::vector<std::size_t> log_row;                 ///< of the log that it was made of, of each row
   std::map<std::string, log::MappedColumn> mapped;  ///< of the map file that it was read with

@@ -466,7 +466,7 @@ std::optional<std::vector<double>> begin_on_some(const model::Model& model,
   std::size_t rows = 0;
   for (const Window& w : windows) rows += w.rows();
   if (unknowns.empty() || rows <= kMany || windows.size() < 2 * kFewestWindows ||
-      dynamics::has(model.kind, dynamics::Seat::belt))
+      dynamics::has(model.kind, dynamics::LocationType::belt))
     return std::nullopt;
   const std::size_t count = std::max(kFewestWindows, windows.size() * kSome / rows);
   const Fit look = look_by_simulation(model, unknowns, start, recordings, windows, Starting::linear);
@@ -488,7 +488,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   Costs problems(model, unknowns, recordings, windows, weighting);
   Jumping jumping(problems, unknowns, model.kind, effort.most_squares);
   bool usable = true;
-  if (dynamics::has(model.kind, dynamics::Seat::belt) && !unknowns.empty()) {
+  if (dynamics::has(model.kind, dynamics::LocationType::belt) && !unknowns.empty()) {
     // As long as the coil is on no tooth matters: first how the belt falls, then where it is held.
     std::vector<Window> falls = windows;
     for (Window& w : falls) w.last = w.liftoff;

@@ -18,7 +18,7 @@ log::Log part(const log::Log& log, std::size_t first, std::size_t last) {
                       log.lines.begin() + static_cast<std::ptrdiff_t>(last));
   // Rows that were left out on reading stay with the part that they were in; of the end with the last.
   const bool ends = last == log.rows();
-  std::erase_if(some.refused, [&](const log::RefusedRow& r) {
+  std::erase_if(some.refused, [&](const log::RejectedRow& r) {
     return r.line < (first == 0 ? 0 : log.lines[first]) || (!ends && r.line >= log.lines[last]);
   });
   if (first != 0) some.notes.clear();

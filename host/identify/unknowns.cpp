@@ -52,7 +52,7 @@ std::optional<std::size_t> parameter_meant(dynamics::Kind kind, const dynamics::
 
 std::optional<double> neutral_value(const model::Model& model, const dynamics::EffectParameterInfo& p) {
   if (!std::isnan(p.neutral)) return p.neutral;
-  if (p.added_on_leg && dynamics::has(model.kind, dynamics::Seat::leg)) return 0.0;
+  if (p.added_on_leg && dynamics::has(model.kind, dynamics::LocationType::leg)) return 0.0;
   if (const auto meant = parameter_meant(model.kind, p)) return model.parameters[*meant];
   if (model.clutch)
     for (std::size_t i = 0; i < model::kClutchMembers.size(); ++i)

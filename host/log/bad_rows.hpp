@@ -13,9 +13,9 @@
 #include "host/core/commands.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
+#include "host/log/data_quality.hpp"
 #include "host/log/layout.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/refused.hpp"
 #include "host/log/row_reader.hpp"
 
 namespace furcula::log {
@@ -154,9 +154,9 @@ class BadRows {
   }
 
   std::uint64_t count() const { return count_; }
-  std::vector<RefusedRow> take_rows() {
+  std::vector<RejectedRow> take_rows() {
     std::stable_sort(rows_.begin(), rows_.end(),
-                     [](const RefusedRow& a, const RefusedRow& b) { return a.line < b.line; });
+                     [](const RejectedRow& a, const RejectedRow& b) { return a.line < b.line; });
     return std::move(rows_);
   }
 
@@ -170,7 +170,7 @@ class BadRows {
   std::vector<std::uint64_t> of_others_;  // lines of the first of them
   BadRow first_of_others_{"", "", ""};
   std::string first_;  // its message
-  std::vector<RefusedRow> rows_;
+  std::vector<RejectedRow> rows_;
   std::map<std::size_t, std::vector<std::uint64_t>> holes_;  // per channel the first lines
   std::map<std::size_t, std::uint64_t> hole_count_;
 };

@@ -79,7 +79,7 @@ Clean clean(const Log& given, const std::vector<Watched>& columns, const std::ve
     if (!out[i]) c.row.push_back(i);
   if (c.row.size() == n) return c;
   std::stable_sort(c.log.refused.begin(), c.log.refused.end(),
-                   [](const RefusedRow& a, const RefusedRow& b) { return a.row < b.row; });
+                   [](const RejectedRow& a, const RejectedRow& b) { return a.row < b.row; });
   for (auto& [name, values] : c.log.columns) values = without(values, out);
   if (!given.lines.empty()) {
     c.log.lines.clear();

@@ -85,7 +85,7 @@ const OtherUnit* other_unit(std::string_view unit, std::string_view ours) {
 
 }  // namespace
 
-void refuse_wrong_units(const Layout& layout, const RigInfo& rig, const RecordStream& records) {
+void refuse_wrong_units(const Layout& layout, const MachineType& rig, const RecordStream& records) {
   for (const std::string& name : layout.file_columns) {
     const NameParts theirs = parts(name);
     if (rig.column(name) != nullptr || theirs.unit.empty()) continue;

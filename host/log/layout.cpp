@@ -15,7 +15,7 @@ namespace furcula::log {
 namespace {
 
 [[noreturn]] void missing(const std::string& name, const std::string& mapped_to, const Layout& layout,
-                          const RigInfo& rig, const ColumnMap* map, const RecordStream& records) {
+                          const MachineType& rig, const ColumnMap* map, const RecordStream& records) {
   const std::vector<std::string_view> all(layout.file_columns.begin(), layout.file_columns.end());
   std::vector<std::string_view> names;
   for (const std::string_view n : all)
@@ -76,7 +76,7 @@ void note_odd_names(const std::vector<std::size_t>& unnamed, const std::vector<s
 }
 
 /// The columns of the file that are ours, by the map or by their own names.
-void add_channels(Layout& layout, const RigInfo& rig, const ColumnMap* map, const RecordStream& records) {
+void add_channels(Layout& layout, const MachineType& rig, const ColumnMap* map, const RecordStream& records) {
   const std::vector<std::string>& columns = layout.file_columns;
   layout.needed.assign(columns.size(), false);
   const auto add = [&](const std::string& name, std::vector<Source> sources, const MappedColumn* mapped) {
@@ -123,14 +123,14 @@ void add_channels(Layout& layout, const RigInfo& rig, const ColumnMap* map, cons
 }
 
 /// A note of the title lines above the header row.
-std::string left_out_above(std::uint64_t first, std::uint64_t header, const std::string& row) {
+std::string excluded_above(std::uint64_t first, std::uint64_t header, const std::string& row) {
   const bool one = header == first + 1;
   return (one ? "line " : "lines ") + std::to_string(first) +
          (one ? "" : " to " + std::to_string(header - 1)) + ", above the header row, " +
          (one ? "was" : "were") + " left out: " + core::quoted(row) + (one ? "." : ", ...");
 }
 
-void refuse_map_of_another_rig(const ColumnMap& map, const RigInfo& rig) {
+void refuse_map_of_another_rig(const ColumnMap& map, const MachineType& rig) {
   if (!map.rig.empty() && map.rig != rig.name)
     throw core::DataError(map.path + ": machine_type is " + core::quoted(map.rig) + "; expected " +
                           std::string(rig.name) + ", as the model or --machine says");
@@ -147,7 +147,7 @@ void refuse_map_of_another_rig(const ColumnMap& map, const RigInfo& rig) {
 
 }  // namespace
 
-Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map) {
+Layout read_layout(RecordStream& records, const MachineType& rig, const ColumnMap* map) {
   if (map != nullptr) refuse_map_of_another_rig(*map, rig);
   Layout layout;
   if (map != nullptr) layout.decimal = map->decimal;
@@ -177,7 +177,7 @@ Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* m
       layout.separator = found->separator;
       names = fields_of(found->row, found->separator);
       layout.header.line = found->line;
-      layout.notes.push_back(path + left_out_above(first, found->line, top.row));
+      layout.notes.push_back(path + excluded_above(first, found->line, top.row));
     } else if (!top.flaw.empty()) {
       throw core::DataError(top.flaw);
     } else if (all_numbers(names) || (is_any_number(names.front()) && wanted.found_among(names) == 0)) {

@@ -49,7 +49,7 @@ struct Layout {
 /// Reads up to and with the header row, and a row of units below it. Without a separator in the map or a first line `sep=;` it is seen in
 /// the header row. A header row may stand in a comment (numpy.savetxt). Columns that nothing asks for may lack a name or stand twice.
 /// @throws DataError, see read_log.
-Layout read_layout(RecordStream& records, const RigInfo& rig, const ColumnMap* map);
+Layout read_layout(RecordStream& records, const MachineType& rig, const ColumnMap* map);
 
 /// The rig that a `# machine_type:` line before the header row names, or nothing. @throws DataError, see rig_line.
 std::string read_rig_line(RecordStream& records);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/log/column_map.hpp"
-#include "host/log/refused.hpp"
+#include "host/log/data_quality.hpp"
 
 namespace furcula::log {
 
@@ -21,7 +21,7 @@ struct Log {
   std::map<std::string, std::vector<double>> columns;
   std::uint64_t header_line = 0;       ///< of the file, from 1
   std::vector<std::uint32_t> lines{};  ///< of the file, at which each row begins; empty: not from a file
-  std::vector<RefusedRow> refused{};   ///< rows that are not among these
+  std::vector<RejectedRow> refused{};  ///< rows that are not among these
   std::vector<std::string> notes{};    ///< what else was done to it, in sentences
   std::map<std::string, std::string> unusable{};  ///< columns that are not among these, and why
   std::map<std::string, MappedColumn> mapped{};   ///< of the map file that it was read with

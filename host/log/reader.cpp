@@ -28,8 +28,8 @@ struct Visited {
   std::set<std::uint64_t> holes;  ///< lines that the visitor has seen and that are among the refused
 };
 
-const RigInfo& known_rig(const std::string& name) {
-  const RigInfo* rig = rig_named(name);
+const MachineType& known_rig(const std::string& name) {
+  const MachineType* rig = rig_named(name);
   if (rig == nullptr) throw std::invalid_argument("no machine type is called " + core::quoted(name));
   return *rig;
 }
@@ -53,19 +53,19 @@ struct Input {
   Input& operator=(const Input&) = delete;
 };
 
-bags::Wish wish_of(const ColumnMap* map) {
-  bags::Wish wish;
-  if (map == nullptr) return wish;
-  wish.topic = map->topic;
-  wish.map = map->path;
-  wish.all_topics = map->all_topics;
+bags::Request request_of(const ColumnMap* map) {
+  bags::Request request;
+  if (map == nullptr) return request;
+  request.topic = map->topic;
+  request.map = map->path;
+  request.all_topics = map->all_topics;
   for (const auto& [ours, mapped] : map->columns)
-    for (const MappedPart& part : mapped.parts) wish.columns.push_back(part.column);
-  return wish;
+    for (const MappedPart& part : mapped.parts) request.columns.push_back(part.column);
+  return request;
 }
 
 Input open(const std::string& path, const ColumnMap* map) {
-  return {bags::open_log(path, kExpected, wish_of(map)), map};
+  return {bags::open_log(path, kExpected, request_of(map)), map};
 }
 
 /// Goes through a log row by row. What `on_header` gives is called for each row with the values in the order of LogHeader::columns, NaN where
@@ -219,9 +219,9 @@ Log collect(const Input& input, const std::string& name, const std::string& rig)
 Log read_log(const std::string& path, const std::string& rig, const ColumnMap* map) {
   std::string own = rig;
   if (own.empty() && map != nullptr) own = map->rig;
-  bags::Wish wish = wish_of(map);
-  wish.joints_alone = own.empty();
-  const Input input(bags::open_log(path, kExpected, wish), map);
+  bags::Request request = request_of(map);
+  request.joints_alone = own.empty();
+  const Input input(bags::open_log(path, kExpected, request), map);
   if (own.empty()) own = input.opened.bag ? (input.opened.joint_states ? "tree" : "") : rig_line(path, map);
   if (own.empty()) throw core::DataError(no_rig(path));
   return collect(input, path, own);
@@ -272,7 +272,7 @@ std::vector<std::string> column_names(const std::string& path, const std::string
 
 Log parse_log(std::string_view text, const std::string& name, const std::string& rig, const ColumnMap* map) {
   core::TextSource source(text);
-  return collect({bags::open_log(source, name, wish_of(map)), map}, name, rig);
+  return collect({bags::open_log(source, name, request_of(map)), map}, name, rig);
 }
 
 }  // namespace furcula::log

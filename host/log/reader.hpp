@@ -33,7 +33,7 @@ struct LogSummary {
   double interval_median_s = 0.0;  ///< to 0.1 %
   double interval_mean_s = 0.0;
   double interval_max_s = 0.0;
-  std::vector<RefusedRow> refused;              ///< rows that were left out, the first kMostNamed of them
+  std::vector<RejectedRow> refused;             ///< rows that were left out, the first kMostNamed of them
   std::uint64_t rejected_rows = 0;              ///< how many there are
   std::vector<std::string> notes;               ///< what else was done to it
   std::map<std::string, std::string> unusable;  ///< optional columns that were left out, and why

@@ -116,7 +116,7 @@ inline constexpr std::array<ColumnInfo, 1> kTreeFixedColumns{{
     {"time_s", true, ColumnKind::time, "time since any instant, increasing"},
 }};
 
-struct RigInfo {
+struct MachineType {
   std::string_view name;
   std::span<const ColumnInfo> columns;  ///< in the order of the contract, in which logs are written
   std::span<const ColumnPattern> patterns = {};
@@ -130,7 +130,7 @@ struct RigInfo {
   }
 };
 
-inline constexpr std::array<RigInfo, 6> kRigs{{
+inline constexpr std::array<MachineType, 6> kRigs{{
     {"hopper", kHopperColumns},
     {"rail_carriage", kRailCarriageColumns},
     {"motor_axis", kMotorAxisColumns},
@@ -139,8 +139,8 @@ inline constexpr std::array<RigInfo, 6> kRigs{{
     {"tree", kTreeFixedColumns, kTreeColumns},
 }};
 
-constexpr const RigInfo* rig_named(std::string_view name) {
-  for (const RigInfo& r : kRigs)
+constexpr const MachineType* rig_named(std::string_view name) {
+  for (const MachineType& r : kRigs)
     if (r.name == name) return &r;
   return nullptr;
 }

@@ -14,7 +14,7 @@ using Fields = std::vector<std::string>;
 
 class Wanted {
  public:
-  Wanted(const RigInfo& rig, const ColumnMap* map) : rig_(rig), map_(map) {
+  Wanted(const MachineType& rig, const ColumnMap* map) : rig_(rig), map_(map) {
     for (const ColumnInfo& c : rig.columns)
       if (c.required) add(std::string(c.name));
     if (map != nullptr)
@@ -23,7 +23,7 @@ class Wanted {
           if (!among(asked_, p.column)) asked_.push_back(p.column);
   }
 
-  const RigInfo& rig() const { return rig_; }
+  const MachineType& rig() const { return rig_; }
 
   /// As the file calls them: those that the rig must have, time first, and all that the map names.
   const Fields& asked() const { return asked_; }
@@ -52,7 +52,7 @@ class Wanted {
       for (const MappedPart& p : map_->columns.at(ours).parts) asked_.push_back(p.column);
   }
 
-  const RigInfo& rig_;
+  const MachineType& rig_;
   const ColumnMap* map_;
   Fields asked_;
 };

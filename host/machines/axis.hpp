@@ -9,6 +9,7 @@ namespace furcula::machines {
 Run usual_run_of_axis(const model::Model& model);
 
 /// Driven harmonically, left alone (a rotary one swings, a linear one coasts), and for long.
-void experiments_of_axis(Shelf& shelf, const model::Model& model, const Reach& reach);
+void experiments_of_axis(ExperimentLibrary& experiment_library, const model::Model& model,
+                         const Reach& reach);
 
 }  // namespace furcula::machines

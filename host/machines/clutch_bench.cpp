@@ -14,10 +14,10 @@ Run usual_run(const model::Model&) {
   return run;
 }
 
-void experiments(Shelf& shelf, const model::Model& model, const Reach&) {
+void experiments(ExperimentLibrary& experiment_library, const model::Model& model, const Reach&) {
   const double delay_s = model.parameter("release_delay_s");
   for (double fall_s : {0.02, 0.03, 0.045}) {
-    Run run = shelf.start(0.0, 0.0, 0.0);
+    Run run = experiment_library.start(0.0, 0.0, 0.0);
     run.clutch.clear();
     constexpr int kReleases = 5;
     for (int i = 0; i < kReleases; ++i) {
@@ -26,9 +26,9 @@ void experiments(Shelf& shelf, const model::Model& model, const Reach&) {
       run.clutch.push_back({at_s + delay_s + fall_s + 1e-3 * i, false});
     }
     run.duration_s = 0.1 + 0.4 * kReleases;
-    shelf.add("five releases one after the other, each with a fall of " + core::rounded(1e3 * fall_s, 3) +
-                  " ms and more",
-              run);
+    experiment_library.add("five releases one after the other, each with a fall of " +
+                               core::rounded(1e3 * fall_s, 3) + " ms and more",
+                           run);
   }
 }
 

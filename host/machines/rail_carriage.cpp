@@ -19,15 +19,15 @@ Run usual_run(const model::Model&) {
   return run;
 }
 
-void experiments(Shelf& shelf, const model::Model&, const Reach& reach) {
+void experiments(ExperimentLibrary& experiment_library, const model::Model&, const Reach& reach) {
   const double highest = std::max(reach.highest, 0.05);
   for (double share : {0.5, 1.0, 2.0})
-    shelf.add("a fall from " + rounded(share * highest, 3) + " m",
-              shelf.start(share * highest, 0.0, 0.5 + std::sqrt(share * highest)));
+    experiment_library.add("a fall from " + rounded(share * highest, 3) + " m",
+                           experiment_library.start(share * highest, 0.0, 0.5 + std::sqrt(share * highest)));
   for (double share : {0.5, 1.0, 1.5}) {
     const double speed = std::sqrt(2.0 * 9.81 * share * highest);
-    shelf.add("a flight pushed up from the stop at " + rounded(speed, 3) + " m/s",
-              shelf.start(0.0, speed, 0.5 + speed / 4.0));
+    experiment_library.add("a flight pushed up from the stop at " + rounded(speed, 3) + " m/s",
+                           experiment_library.start(0.0, speed, 0.5 + speed / 4.0));
   }
 }
 

@@ -34,7 +34,7 @@ struct Run {
 };
 
 /// Collects experiments: runs, and what they are in words.
-class Shelf {
+class ExperimentLibrary {
  public:
   struct Experiment {
     std::string what;
@@ -42,7 +42,7 @@ class Shelf {
   };
 
   /// All are as `usual`, undriven, but for what is said of them.
-  explicit Shelf(Run usual) : base_(std::move(usual)) {
+  explicit ExperimentLibrary(Run usual) : base_(std::move(usual)) {
     base_.profile = control::ProfileShape::zero;
     base_.amplitude = 0.0;
   }
@@ -115,7 +115,7 @@ struct Rules {
   Cut cut = Cut::intervals;
   /// What holds for all that a scenario leaves out.
   Run (*usual_run)(const model::Model&);
-  void (*experiments)(Shelf&, const model::Model&, const Reach&);
+  void (*experiments)(ExperimentLibrary&, const model::Model&, const Reach&);
   /// What a force is to the acceleration that it makes, kg or kg m^2.
   double (*inertia)(const model::Model&) = [](const model::Model& m) { return m.parameters.front(); };
   /// What pulls at it all the time, N or N m; none: the root mean square of its inputs tells what moves it.

@@ -379,7 +379,7 @@ Proposal propose(const std::string& path, const TreeReader& read_model) {
   std::vector<Slot> positions, inputs, commands, velocities;
   for (std::size_t j = 0; j < model.joints(); ++j) {
     const std::string& name = model.robot.joints[j].name;
-    const bool linear = model.prismatic(j), sets = model.drives[j].law == trees::DriveLaw::position;
+    const bool linear = model.prismatic(j), sets = model.drives[j].law == trees::ControlMode::position;
     joints.push_back(name);
     positions.push_back({name, trees::column_of(model, j, "angle"), Role::position, false, linear, true});
     velocities.push_back(
@@ -417,7 +417,7 @@ Proposal propose(const std::string& path, const TreeReader& read_model) {
       moving.push_back(with.robot.joints[j].name);
       moving_columns.position.push_back(trees::column_of(with, j, "angle"));
       moving_columns.velocity.push_back(trees::column_of(with, j, "velocity"));
-      const bool sets = with.drives[j].law == trees::DriveLaw::position;
+      const bool sets = with.drives[j].law == trees::ControlMode::position;
       const std::string torque = trees::column_of(with, j, "torque");
       moving_columns.input.push_back(sets          ? trees::column_of(with, j, "angle_cmd")
                                      : has(torque) ? torque

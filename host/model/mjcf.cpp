@@ -83,7 +83,7 @@ class Writer {
 
   std::string write() {
     out_ = "<mujoco" + attribute("model", escaped(robot_.name)) + ">\n";
-    note_what_is_left_out();
+    note_what_is_excluded();
     out_ += "  <compiler angle=\"radian\"/>\n  <option" + attribute("gravity", robot_.model.gravity_mps2) +
             "/>\n  <worldbody>\n";
     sites(-1, "    ");
@@ -95,7 +95,7 @@ class Writer {
   }
 
  private:
-  void note_what_is_left_out() {
+  void note_what_is_excluded() {
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
       const auto& law = robot_.model.laws[i];
       std::string name = core::printable(robot_.joints[i].name);

@@ -71,7 +71,7 @@ class Reader {
       if (std::string_view(other) != "tendon")
         e.fail("acts on a " + std::string(other) +
                "; expected a joint: forces on other places are in no recording. Take it out of the file");
-      left_out_.push_back(who);
+      excluded_.push_back(who);
       return;
     }
     const std::string_view name =
@@ -154,7 +154,7 @@ class Reader {
     say("a velocity actuator counts as a torque, which recordings have at the joint: joint", velocities);
     say("an actuator with a law of its own counts as a torque, which recordings have at the joint:", odd_);
     say("no actuator moves joint", none);
-    say("an actuator on a tendon is left out:", left_out_);
+    say("an actuator on a tendon is left out:", excluded_);
   }
 
  private:
@@ -169,7 +169,7 @@ class Reader {
   bool any_ = false;
   std::set<std::string> torques_;
   std::map<std::string, double> velocity_;  ///< gains of velocity actuators
-  std::vector<std::string> geared_, scaled_, odd_, pairs_, left_out_;
+  std::vector<std::string> geared_, scaled_, odd_, pairs_, excluded_;
 };
 
 }  // namespace

@@ -38,7 +38,7 @@ struct Model {
 
 /// Whether it has the parameters of a clutch: in its table, or beside it.
 inline bool has_clutch(const Model& m) {
-  return m.clutch.has_value() || dynamics::has(m.kind, dynamics::Seat::belt);
+  return m.clutch.has_value() || dynamics::has(m.kind, dynamics::LocationType::belt);
 }
 
 }  // namespace furcula::model

@@ -18,7 +18,7 @@ using core::shortest;
 using dynamics::Kind;
 
 bool is_clutch_parameter(Kind kind, std::string_view name) {
-  if (!dynamics::has(kind, dynamics::Seat::leg)) return false;
+  if (!dynamics::has(kind, dynamics::LocationType::leg)) return false;
   for (const auto& p : dynamics::kClutchParameters)
     if (p.name == name) return true;
   return false;
@@ -85,14 +85,14 @@ class Reader {
     const toml::table& table = section("parameters");
     const auto& kind = dynamics::info(model_.kind);
     std::vector<std::string_view> known = parameter_names(model_.kind);
-    if (dynamics::has(model_.kind, dynamics::Seat::leg))
+    if (dynamics::has(model_.kind, dynamics::LocationType::leg))
       for (const auto& p : dynamics::kClutchParameters) known.push_back(p.name);
     core::refuse_unknown_keys(table, name_, "[parameters] of " + std::string(kind.name), known);
     for (const auto& p : kind.parameters) {
       const toml::node& node = entry(table, "[parameters]", p.name, expected(p));
       model_.parameters.push_back(core::number(node, name_, p.name, p.lower, p.upper, p.unit));
     }
-    if (dynamics::has(model_.kind, dynamics::Seat::leg)) read_clutch(table);
+    if (dynamics::has(model_.kind, dynamics::LocationType::leg)) read_clutch(table);
   }
 
   static std::string expected(const dynamics::ParameterInfo& p) {

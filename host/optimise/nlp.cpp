@@ -16,7 +16,7 @@ class ForIpopt final : public Ipopt::TNLP {
   using Index = Ipopt::Index;
   using Number = Ipopt::Number;
 
-  ForIpopt(Programme& programme, const SolveOptions& options) : p_(programme), options_(options) {
+  ForIpopt(Nlp& nlp, const SolveOptions& options) : p_(nlp), options_(options) {
     const Triplets& linear = p_.linear();
     for (std::size_t k = 0; k < linear.row.size(); ++k)
       if (linear.row[k] == 0)
@@ -141,7 +141,7 @@ class ForIpopt final : public Ipopt::TNLP {
     differentiated_ = true;
   }
 
-  Programme& p_;
+  Nlp& p_;
   const SolveOptions& options_;
   std::vector<std::pair<int, double>> objective_;
   std::vector<std::pair<std::size_t, int>> objective_entries_;
@@ -196,7 +196,7 @@ void WholeElement::derivatives(const double* x, const double*, double* jacobian,
   f_(x, out.data(), jacobian);
 }
 
-std::vector<double> Programme::evaluate(const std::vector<double>& x) const {
+std::vector<double> Nlp::evaluate(const std::vector<double>& x) const {
   std::vector<double> out(rows_.size(), 0.0);
   for (std::size_t k = 0; k < linear_.row.size(); ++k)
     out[static_cast<std::size_t>(linear_.row[k])] +=
@@ -205,8 +205,8 @@ std::vector<double> Programme::evaluate(const std::vector<double>& x) const {
   return out;
 }
 
-Solution solve(Programme& programme, const SolveOptions& options) {
-  Ipopt::SmartPtr<ForIpopt> problem = new ForIpopt(programme, options);
+Solution solve(Nlp& nlp, const SolveOptions& options) {
+  Ipopt::SmartPtr<ForIpopt> problem = new ForIpopt(nlp, options);
   Ipopt::SmartPtr<Ipopt::IpoptApplication> ipopt = new Ipopt::IpoptApplication(false);
   const auto set = ipopt->Options();
   set->SetStringValue("sb", "yes");
@@ -221,7 +221,7 @@ Solution solve(Programme& programme, const SolveOptions& options) {
   set->SetNumericValue("max_cpu_time", options.cpu_s);
   set->SetStringValue("mu_strategy", options.monotone ? "monotone" : "adaptive");
   set->SetNumericValue("bound_relax_factor", 0.0);
-  if (!programme.has_hessian()) {
+  if (!nlp.has_hessian()) {
     set->SetStringValue("hessian_approximation", "limited-memory");
     set->SetIntegerValue("limited_memory_max_history", 30);
   }
@@ -239,9 +239,9 @@ Solution solve(Programme& programme, const SolveOptions& options) {
   s.status = word(status);
   s.found = status == Ipopt::Solve_Succeeded || status == Ipopt::Solved_To_Acceptable_Level;
   if (!s.x.empty()) {
-    const std::vector<double> rows = programme.evaluate(s.x);
+    const std::vector<double> rows = nlp.evaluate(s.x);
     for (std::size_t i = 1; i < rows.size(); ++i) {
-      const Programme::Row& r = programme.rows()[i];
+      const Nlp::Row& r = nlp.rows()[i];
       const double by = std::max(r.lower - rows[i], rows[i] - r.upper);
       // What only defines the cost can always be met, and says nothing about the task.
       if (by <= s.violation || r.what == kCostRow) continue;

@@ -153,9 +153,9 @@ inline constexpr const char* kCostRow = "the cost";
 constexpr double kNoBound = 1e20;  ///< beyond Ipopt's own
 
 /// Row 0 is the objective; the others are constraints.
-class Programme {
+class Nlp {
  public:
-  Programme() { rows_.push_back({"cost", -kNoBound, kNoBound}); }
+  Nlp() { rows_.push_back({"cost", -kNoBound, kNoBound}); }
 
   int variable(double lower, double upper, double start) {
     variables_.push_back({lower, upper, start});
@@ -236,6 +236,6 @@ struct Solution {
 };
 
 /// From the variables' starts.
-Solution solve(Programme& programme, const SolveOptions& options);
+Solution solve(Nlp& nlp, const SolveOptions& options);
 
 }  // namespace furcula::optimise

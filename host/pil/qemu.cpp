@@ -170,13 +170,13 @@ Reply Qemu::exchange(const Tick& tick) {
   return board_.receive<Reply>();
 }
 
-Farewell Qemu::finish() {
+ShutdownReply Qemu::finish() {
   Tick last;
   last.kind = kEnd;
   board_.send(last);
-  const auto farewell = board_.receive<Farewell>();
+  const auto shutdown_reply = board_.receive<ShutdownReply>();
   board_.wait_for_end();
-  return farewell;
+  return shutdown_reply;
 }
 
 }  // namespace furcula::pil

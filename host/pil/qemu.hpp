@@ -74,7 +74,7 @@ class Qemu {
   /// One tick there and back. @throws LinkError
   Reply exchange(const Tick& tick);
   /// Ends the run; QEMU must end with status 0. @throws LinkError
-  Farewell finish();
+  ShutdownReply finish();
 
   pid_t pid() const { return board_.pid(); }
 

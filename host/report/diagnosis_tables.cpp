@@ -307,7 +307,7 @@ std::string data_html(const Diagnosis& d) {
   if (d.windows && d.fitted_windows < *d.windows)
     out += " The search was made on " + std::to_string(d.fitted_windows) + " of " +
            std::to_string(*d.windows) + " windows, the most informative ones.";
-  out += "</p>\n" + dirt_html(d.dirt);
+  out += "</p>\n" + data_quality_html(d.data_quality);
   for (const result::ExcludedWindows& w : d.excluded_windows) {
     std::string logs;
     for (const std::string& name : w.logs) logs += (logs.empty() ? "" : ", ") + name;

@@ -62,8 +62,8 @@ std::string to_json_text(const Identification& id) {
                  {"windows", id.windows},
                  {"samples", id.samples},
                  {"held_out_logs", id.held_out_logs}};
-  out["data"]["excluded_windows"] = result::excluded_windows_json(diagnose::excluded_windows(id.left_out));
-  result::add_data_quality(out["data"], id.dirt);
+  out["data"]["excluded_windows"] = result::excluded_windows_json(diagnose::excluded_windows(id.excluded));
+  result::add_data_quality(out["data"], id.data_quality);
   out["notes"] = Json::array();
   if (id.as_given) out["as_given"] = errors(*id.as_given, id.kind);
   return out.dump(2) + "\n";

@@ -185,8 +185,8 @@ std::string data(const Identification& id) {
   std::string out = "<p>" + std::to_string(id.logs) + " recordings, " + std::to_string(id.held_out_logs) +
                     " of them held out; " + std::to_string(id.windows) + " windows, " +
                     std::to_string(id.samples) + " samples.</p>\n";
-  out += dirt_html(id.dirt);
-  for (const identify::LeftOut& l : id.left_out) out += "<p>" + escape(identify::sentence(l)) + ".</p>\n";
+  out += data_quality_html(id.data_quality);
+  for (const identify::Excluded& l : id.excluded) out += "<p>" + escape(identify::sentence(l)) + ".</p>\n";
   if (!id.training_files.empty()) out += "<h4>Fitted to</h4>\n" + file_list(id.training_files);
   if (!id.held_out_files.empty()) out += "<h4>Held out</h4>\n" + file_list(id.held_out_files);
   return out;

@@ -147,14 +147,14 @@ std::string file_list(const std::vector<std::string>& files) {
   return out + "</ul>\n";
 }
 
-std::string dirt_html(const log::Dirt& dirt) {
+std::string data_quality_html(const log::DataQuality& data_quality) {
   constexpr std::size_t kMostRows = 100;
   std::string out;
-  for (const std::string& line : log::lines_of(dirt)) out += paragraph(line);
-  if (dirt.refused.size() < 2) return out;
+  for (const std::string& line : log::lines_of(data_quality)) out += paragraph(line);
+  if (data_quality.refused.size() < 2) return out;
   Table table({{"Log"}, {"Row", true}, {"Line", true}, {"Column"}, {"Value", true}, {"Why it was left out"}});
-  for (std::size_t i = 0; i < std::min(kMostRows, dirt.refused.size()); ++i) {
-    const log::RefusedRow& r = dirt.refused[i];
+  for (std::size_t i = 0; i < std::min(kMostRows, data_quality.refused.size()); ++i) {
+    const log::RejectedRow& r = data_quality.refused[i];
     table.add({escape(r.log), std::to_string(r.row), r.line == 0 ? "" : std::to_string(r.line),
                escape(r.column), std::isfinite(r.value) ? number(r.value) : escape(r.text), escape(r.why)});
   }

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/log/refused.hpp"
+#include "host/log/data_quality.hpp"
 
 namespace furcula::report {
 
@@ -82,6 +82,6 @@ std::string biped_player_html(std::string_view label);
 std::string file_list(const std::vector<std::string>& files);
 
 /// What was wrong with the recordings: rows refused, notes, recordings left out. Nothing of clean ones.
-std::string dirt_html(const log::Dirt& dirt);
+std::string data_quality_html(const log::DataQuality& data_quality);
 
 }  // namespace furcula::report

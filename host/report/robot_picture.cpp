@@ -18,7 +18,7 @@ using dynamics::tree::Mat3;
 using dynamics::tree::Vec3;
 using nlohmann::json;
 using trees::Diagnosis;
-using trees::Seat;
+using trees::LocationType;
 
 json numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 /// By rows, from the frame's coordinates to those of its parent.
@@ -27,18 +27,18 @@ json turn_back(const Mat3<double>& m) {
 }
 
 /// "1 dry friction" of each finding that sits there; empty: none.
-std::string blamed(const Diagnosis& d, Seat seat, std::size_t site) {
+std::string blamed(const Diagnosis& d, LocationType location_type, std::size_t site) {
   std::string out;
   for (std::size_t k = 0; k < d.findings.size(); ++k) {
     const trees::Cause& c = d.findings[k].cause;
     const trees::EffectInfo& e = trees::info(c.effect);
     // Joints, their drives and their encoders are one place of the picture.
-    const auto place = [](Seat of) { return trees::is_of_joints(of) ? Seat::joint : of; };
-    const bool here =
-        place(e.seat) == place(seat) && std::find(c.sites.begin(), c.sites.end(), site) != c.sites.end();
+    const auto place = [](LocationType of) { return trees::is_of_joints(of) ? LocationType::joint : of; };
+    const bool here = place(e.location_type) == place(location_type) &&
+                      std::find(c.sites.begin(), c.sites.end(), site) != c.sites.end();
     if (here)
-      out += (out.empty() ? trees::site_name(d.model, seat, site) + ": " : "; ") + std::to_string(k + 1) +
-             " " + in_words(e.name);
+      out += (out.empty() ? trees::site_name(d.model, location_type, site) + ": " : "; ") +
+             std::to_string(k + 1) + " " + in_words(e.name);
   }
   return out;
 }
@@ -66,7 +66,7 @@ json box_of(const Diagnosis& d, std::size_t link) {
           {"turn", turn_back(frame.turn)},
           {"at", numbers(frame.at)},
           {"half", half},
-          {"guilty", blamed(d, Seat::link, link)}};
+          {"guilty", blamed(d, LocationType::link, link)}};
 }
 
 /// Lines from each body's origin to what hangs on it: next joints, links that are fixed to it; else to its centre of mass.
@@ -80,7 +80,7 @@ json bones(const Diagnosis& d) {
     bool guilty = false;
     for (std::size_t k = 0; k < robot.links.size(); ++k) {
       if (robot.links[k].joint != joint) continue;
-      guilty |= joint >= 0 && !blamed(d, Seat::link, k).empty();
+      guilty |= joint >= 0 && !blamed(d, LocationType::link, k).empty();
       if (joint >= 0) ends.push_back(robot.links[k].frame.at);
     }
     const auto far = [](const Vec3<double>& v) { return dot(v, v) > 1e-8; };
@@ -138,9 +138,9 @@ json robot_data(const Diagnosis& d) {
                       {"turn", turn_back(j.placement.turn)},
                       {"at", numbers(j.placement.at)},
                       {"axis", numbers(j.axis)},
-                      {"guilty", blamed(d, Seat::joint, i)}});
+                      {"guilty", blamed(d, LocationType::joint, i)}});
   }
-  for (const std::size_t i : trees::sites(d.model, Seat::link)) boxes.push_back(box_of(d, i));
+  for (const std::size_t i : trees::sites(d.model, LocationType::link)) boxes.push_back(box_of(d, i));
   for (const trees::Cause& c : d.extended.causes)
     for (const std::size_t site : c.sites)
       if (c.effect == trees::Effect::payload)
@@ -152,7 +152,7 @@ json robot_data(const Diagnosis& d) {
           {"bones", bones(d)},
           {"loads", loads},
           {"motions", motions(d)},
-          {"base", blamed(d, Seat::base, 0)},
+          {"base", blamed(d, LocationType::base, 0)},
           {"rest", std::vector<double>(robot.joints.size(), 0.0)}};
 }
 

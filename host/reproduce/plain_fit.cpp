@@ -22,7 +22,7 @@ class Motion {
  public:
   Motion(const model::Model& m, const Recording& r, const Window& w) : r_(r), w_(w) {
     using Nonlinear = dynamics::HopperNonlinearParameters<double>;
-    if (dynamics::has(m.kind, dynamics::Seat::heavy_links)) {
+    if (dynamics::has(m.kind, dynamics::LocationType::heavy_links)) {
       p_ = dynamics::from_table<Nonlinear>(std::span<const double>(m.parameters));
     } else {
       static_cast<dynamics::HopperLinearParameters<double>&>(p_) =

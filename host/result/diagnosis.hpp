@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/core/verdict.hpp"
-#include "host/log/refused.hpp"
+#include "host/log/data_quality.hpp"
 
 namespace furcula::result {
 
@@ -216,7 +216,7 @@ struct Summary {
   std::size_t logs = 0, held_out_logs = 0, samples = 0;
   std::vector<std::string> training_files, held_out_files;
   std::vector<std::string> notes;  ///< sentences about model and result
-  log::Dirt dirt;                  ///< of the recordings
+  log::DataQuality data_quality;   ///< of the recordings
   std::string next_experiment;     ///< of the whole diagnosis
 };
 

@@ -193,7 +193,7 @@ Json data_json(const Diagnosis& d) {
               {"window_s", number(d.window_s)},
               {"held_out_windows_excluded", d.held_out_windows_excluded},
               {"excluded_windows", excluded_windows_json(d.excluded_windows)}};
-  add_data_quality(out, d.dirt);
+  add_data_quality(out, d.data_quality);
   return out;
 }
 

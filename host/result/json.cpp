@@ -22,11 +22,11 @@ Json errors_json(const std::vector<ChannelError>& errors) {
   return out;
 }
 
-void add_data_quality(Json& data, const log::Dirt& dirt) {
+void add_data_quality(Json& data, const log::DataQuality& data_quality) {
   constexpr std::size_t kMost = 100;
   Json rows = Json::array(), logs = Json::array();
-  for (std::size_t i = 0; i < std::min(kMost, dirt.refused.size()); ++i) {
-    const log::RefusedRow& r = dirt.refused[i];
+  for (std::size_t i = 0; i < std::min(kMost, data_quality.refused.size()); ++i) {
+    const log::RejectedRow& r = data_quality.refused[i];
     rows.push_back({{"log", r.log},
                     {"row", r.row},
                     {"line", r.line == 0 ? Json(nullptr) : Json(r.line)},
@@ -34,12 +34,12 @@ void add_data_quality(Json& data, const log::Dirt& dirt) {
                     {"value", std::isfinite(r.value) ? Json(r.value) : or_null(r.text)},
                     {"reason", r.why}});
   }
-  for (const log::Dirt::LeftOut& l : dirt.left_out)
+  for (const log::DataQuality::Excluded& l : data_quality.excluded)
     logs.push_back({{"log", l.log}, {"reason", l.log + " " + l.why}});
   data["rejected_samples"] = rows;
-  data["rejected_sample_count"] = dirt.refused.size();
+  data["rejected_sample_count"] = data_quality.refused.size();
   data["excluded_logs"] = logs;
-  data["notes"] = dirt.notes;
+  data["notes"] = data_quality.notes;
 }
 
 Json excluded_windows_json(const std::vector<ExcludedWindows>& windows) {

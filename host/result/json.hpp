@@ -31,7 +31,7 @@ std::string key_with_unit(std::string key, std::string_view unit);
 Json errors_json(const std::vector<ChannelError>& errors);
 
 /// Adds `rejected_samples` (the first hundred), `rejected_sample_count`, `excluded_logs` and `notes` to an object.
-void add_data_quality(Json& data, const log::Dirt& dirt);
+void add_data_quality(Json& data, const log::DataQuality& data_quality);
 
 /// `excluded_windows` of `data`.
 Json excluded_windows_json(const std::vector<ExcludedWindows>& windows);

@@ -72,10 +72,10 @@ bus::Frame SupplyNode::sample(float volts) {
   return frame;
 }
 
-bus::Frame Host::command(Wish wish, float amplitude_nm, float period_s, bool release) {
+bus::Frame Host::command(Request request, float amplitude_nm, float period_s, bool release) {
   bus::Frame frame = bus::empty_frame(kCommand, kBoardNode);
   static_cast<void>(bus::put_stamp(frame, {bus::kProtocolVersion, sequence_++, 0.0f}));
-  set_code(frame, bus::signal(kCommand, "Request"), static_cast<std::uint32_t>(wish));
+  set_code(frame, bus::signal(kCommand, "Request"), static_cast<std::uint32_t>(request));
   set(frame, bus::signal(kCommand, "Torque_Amplitude"), amplitude_nm);
   set(frame, bus::signal(kCommand, "Torque_Period"), period_s);
   set_code(frame, bus::signal(kCommand, "Clutch"), release ? 1 : 0);

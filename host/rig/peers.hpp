@@ -72,8 +72,8 @@ class SupplyNode {
 /// The host that tells the robot to stop or to hop.
 class Host {
  public:
-  enum class Wish : std::uint8_t { stop = 1, hop = 2 };
-  bus::Frame command(Wish wish, float amplitude_nm, float period_s, bool release);
+  enum class Request : std::uint8_t { stop = 1, hop = 2 };
+  bus::Frame command(Request request, float amplitude_nm, float period_s, bool release);
 
  private:
   std::uint8_t sequence_ = 0;

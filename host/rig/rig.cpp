@@ -133,10 +133,10 @@ class Rig {
         throw RigError(!words_.heard ? "the board says nothing on " + options_.can_interface + " for 10 s"
                                      : "the board does not start within 10 s: its state is " +
                                            std::to_string(words_.state) + ", its fault " + fault_name());
-      // A hop counts where the wish changes to it, so first it is told to stop.
+      // A hop counts where the request changes to it, so first it is told to stop.
       const bool idle = words_.heard && words_.state == 1;
       idle_ticks_ = idle ? idle_ticks_ + 1 : 0;
-      pass_tick(program, idle_ticks_ > 50 ? Host::Wish::hop : Host::Wish::stop);
+      pass_tick(program, idle_ticks_ > 50 ? Host::Request::hop : Host::Request::stop);
     }
     running_ = true;
     commanded_ = false;
@@ -148,11 +148,11 @@ class Rig {
   }
 
   /// Sends what the devices measure, then answers the board until the next tick is due.
-  void pass_tick(Child& program, Host::Wish wish = Host::Wish::hop) {
+  void pass_tick(Child& program, Host::Request request = Host::Request::hop) {
     gpio_.set_contact(board_.sample().contact != 0);
     devices_.begin_tick(board_, running_);
     if (tick_ % kCommandTicks == 0) {
-      const bus::Frame frame = host_.command(wish, config_.torque.amplitude_nm, config_.torque.period_s,
+      const bus::Frame frame = host_.command(request, config_.torque.amplitude_nm, config_.torque.period_s,
                                              config_.clutch.release_in_flight != 0);
       static_cast<void>(can_.send({&frame, 1}));
     }

@@ -18,7 +18,7 @@ using core::fail;
 using core::quoted;
 using dynamics::has;
 using dynamics::Kind;
-using dynamics::Seat;
+using dynamics::LocationType;
 using machines::ClutchAction;
 
 class Reader {
@@ -34,10 +34,10 @@ class Reader {
   Scenario read() {
     std::vector<std::string_view> sections{"start", "run", "sensors"};
     if (!keys_.drive.empty()) sections.insert(sections.begin() + 2, keys_.drive);
-    if (has(kind_, Seat::leg))
+    if (has(kind_, LocationType::leg))
       sections.insert(sections.end(), {"fault", "expect"});  // expectation.hpp reads that
-    const bool free_leg = has(kind_, Seat::heavy_links);
-    const bool timed_clutch = has(kind_, Seat::belt | Seat::leg) && !free_leg;
+    const bool free_leg = has(kind_, LocationType::heavy_links);
+    const bool timed_clutch = has(kind_, LocationType::belt | LocationType::leg) && !free_leg;
     if (timed_clutch) sections.push_back("clutch");
     if (free_leg) sections.insert(sections.end(), {"clutch", "contraction", "ground"});
     core::refuse_unknown_keys(file_, name_, "a scenario for " + std::string(dynamics::info(kind_).name),
@@ -184,7 +184,7 @@ class Reader {
 
   void read_sensors(const toml::table& t) {
     static constexpr std::array<std::string_view, 4> kKeys{"quantisation", "noise", "bounce", "jitter"};
-    const bool leg = has(kind_, Seat::leg);
+    const bool leg = has(kind_, LocationType::leg);
     // Bounce and jitter are the contact switch's.
     core::refuse_unknown_keys(t, name_, "[sensors]", std::span(kKeys).first(leg ? 4 : 2));
     const std::array<bool*, 4> switches{&scenario_.sensors.quantisation, &scenario_.sensors.noise,
@@ -269,7 +269,8 @@ std::string format_scenario(const Scenario& s, dynamics::Kind kind) {
     return std::string(name) + (on ? " = true\n" : " = false\n");
   };
   text += "\n[sensors]\n" + flag("quantisation", s.sensors.quantisation) + flag("noise", s.sensors.noise);
-  if (has(kind, Seat::leg)) text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
+  if (has(kind, LocationType::leg))
+    text += flag("bounce", s.sensors.bounce) + flag("jitter", s.sensors.jitter);
   const Scenario standard;
   if (s.release_in_flight || s.catch_before_touchdown_s != standard.catch_before_touchdown_s)
     text += std::string("\n[clutch]\nin_flight = \"") + (s.release_in_flight ? "release" : "hold") + "\"\n" +

@@ -21,7 +21,7 @@ namespace furcula::sim {
 namespace {
 
 using dynamics::has;
-using dynamics::Seat;
+using dynamics::LocationType;
 using sim_host::SimBoard;
 
 dynamics::Effects<double> effects_of(const model::Model& model) {
@@ -53,7 +53,7 @@ std::map<std::string, std::string> metadata_of(const model::Model& model, const 
                                          {"amplitude", core::shortest(scenario.amplitude)},
                                          {"period_s", core::shortest(scenario.period_s)},
                                          {"sensors", sensors.empty() ? "ideal" : sensors}};
-  if (model.clutch && has(model.kind, Seat::heavy_links))
+  if (model.clutch && has(model.kind, LocationType::heavy_links))
     all["clutch_in_flight"] = scenario.release_in_flight ? "release" : "hold";
   if (scenario.contraction_m > 0.0) all["contraction_m"] = core::shortest(scenario.contraction_m);
   if (scenario.ground_steps_m > 0.0) all["ground_steps_m"] = core::shortest(scenario.ground_steps_m);
@@ -120,7 +120,7 @@ bool coil_on(const Scenario& scenario, double time_s) {
 template <class Machine>
 void simulate_open_loop(const model::Model& model, const Scenario& scenario, std::uint64_t seed,
                         log::Log& log) {
-  constexpr bool kDriven = dynamics::any_of(Machine::kInfo.seats, dynamics::Seat::drive);
+  constexpr bool kDriven = dynamics::any_of(Machine::kInfo.location_types, dynamics::LocationType::drive);
   const machines::Rules& rules = machines::rules(model.kind);
   dynamics::Stages<typename Machine::template Plant<double>, double> stages(
       parameters_of<typename Machine::template Parameters<double>>(model), effects_of(model));
@@ -190,7 +190,7 @@ bool needs_bus(const Scenario& scenario) {
 }
 
 sim_host::Plant plant_of(const model::Model& model, const dynamics::Effects<double>& effects) {
-  if (!has(model.kind, Seat::heavy_links)) {
+  if (!has(model.kind, LocationType::heavy_links)) {
     const auto p = parameters_of<dynamics::HopperLinearParameters<double>>(model);
     if (!model.clutch) return sim_host::Plant(p, effects);
     return {p,
@@ -267,7 +267,7 @@ control::Config controller_config(const model::Model& model, const Scenario& sce
   clutch.spring_rest_m = static_cast<float>(model.parameter("rest_height_m"));
   config.observer.leg_damping_nspm =
       static_cast<float>(model.parameter("damping_stance_nspm") - model.parameter("damping_flight_nspm"));
-  if (!has(model.kind, Seat::heavy_links)) return config;
+  if (!has(model.kind, LocationType::heavy_links)) return config;
   clutch.contraction_m = static_cast<float>(scenario.contraction_m);
   clutch.contraction_s = static_cast<float>(0.5 * scenario.contraction_period_s);
   clutch.touchdown_margin_s = static_cast<float>(scenario.catch_before_touchdown_s);
@@ -298,7 +298,7 @@ void refuse_what_has_no_free_leg(const model::Model& model, const Scenario& scen
                      : scenario.contraction_m > 0.0  ? "[contraction]"
                      : scenario.ground_steps_m > 0.0 ? "[ground]"
                                                      : nullptr;
-  if (what == nullptr || !has(model.kind, Seat::heavy_links)) return;
+  if (what == nullptr || !has(model.kind, LocationType::heavy_links)) return;
   for (const auto& [effect, values] : model.effects) {
     dynamics::Effects<double> one;
     one.set(effect, values);
@@ -320,10 +320,10 @@ log::Log simulate(const model::Model& model, const Scenario& scenario, std::uint
   log::Log log;
   log.rig = std::string(dynamics::info(model.kind).rig);
   log.metadata = metadata_of(model, scenario, seed);
-  if (!has(model.kind, Seat::drive))
+  if (!has(model.kind, LocationType::drive))
     for (const char* key : {"profile", "amplitude", "period_s"}) log.metadata.erase(key);
   dynamics::with_machine(model.kind, [&]<class Machine>() {
-    if constexpr (dynamics::any_of(Machine::kInfo.seats, Seat::leg))
+    if constexpr (dynamics::any_of(Machine::kInfo.location_types, LocationType::leg))
       simulate_hopper(model, scenario, seed, log);
     else
       simulate_open_loop<Machine>(model, scenario, seed, log);

@@ -26,7 +26,7 @@ class Lister {
 
   std::vector<Candidate> list() {
     for (std::size_t j = 0; j < model_.joints(); ++j) at_joint(j);
-    for (const std::size_t link : sites(model_, Seat::link)) at_link(link);
+    for (const std::size_t link : sites(model_, LocationType::link)) at_link(link);
     if (dot(model_.gravity_mps2, model_.gravity_mps2) > 0.0)
       add(Effect::base_tilt, {0}, {{0.02, 0.0, 0.0, 0.0}, {0.0, 0.02, 0.0, 0.0}}, false);
     for (const auto& group : groups()) at_group(group);
@@ -86,7 +86,7 @@ class Lister {
           d.rotor_inertia_kgm2 == 0.0);
     if (!model_.driven(j)) return;
     add(Effect::torque_gain_error, at, {{1.05, 0, 0, 0}}, false);
-    if (d.law == DriveLaw::position && !model_.is_free(j, 0) && !model_.is_free(j, 1))
+    if (d.law == ControlMode::position && !model_.is_free(j, 0) && !model_.is_free(j, 1))
       add(Effect::position_gain_error, at,
           {{1.05 * d.kp_nmprad, d.kd_nmsprad, 0, 0},
            {d.kp_nmprad, 1.05 * d.kd_nmsprad + 1e-3 * d.kp_nmprad, 0, 0}},
@@ -137,7 +137,7 @@ class Lister {
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       if (!model_.driven(j)) continue;
       const std::string sort = std::string(model_.prismatic(j) ? "slides" : "turns") +
-                               (model_.drives[j].law == DriveLaw::position ? " position" : " torque");
+                               (model_.drives[j].law == ControlMode::position ? " position" : " torque");
       of[sort].push_back(j);
       const std::string& name = model_.robot.joints[j].name;
       const auto cut = name.find('_');

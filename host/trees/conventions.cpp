@@ -34,7 +34,7 @@ class TreeFamily final : public conventions::Family {
         free_.push_back({-2.0 * kBodyPrior, 2.0 * kBodyPrior});
       }
     for (std::size_t j = 0; j < model.joints(); ++j) {
-      const bool linear = model.prismatic(j), sets = model.drives[j].law == DriveLaw::position;
+      const bool linear = model.prismatic(j), sets = model.drives[j].law == ControlMode::position;
       conventions::Joint joint;
       joint.name = model.robot.joints[j].name;
       joint.position_column = column_of(model, j, "angle");
@@ -97,12 +97,12 @@ class TreeFamily final : public conventions::Family {
       const Setup::Joint& d = setup_.joints[j];
       for (std::size_t k = 0; k < n; ++k)
         m(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) = mass[j][k];
-      const bool sets = d.law == DriveLaw::position;
+      const bool sets = d.law == ControlMode::position;
       out.needed[j] = needed[j] - d.offset_nm;
       // Else the joint's law has kp and kd as a spring and a damper.
       if (sets) out.of_drive[j] = d.gain * (d.kp_nmprad * q[j] + d.kd_nmsprad * v[j]);
       if (sets && !Runner::is_spring(d)) out.needed[j] += out.of_drive[j];
-      out.input_gain[j] = d.law == DriveLaw::none ? 0.0 : d.gain * (sets ? d.kp_nmprad : 1.0);
+      out.input_gain[j] = d.law == ControlMode::none ? 0.0 : d.gain * (sets ? d.kp_nmprad : 1.0);
     }
     out.mass.assign(m.data(), m.data() + m.size());
     bool positive = false;

@@ -77,7 +77,7 @@ class Diagnoser {
       d_.notes.push_back("The logs have columns of joints that " + model.urdf.file + " does not have: " +
                          joined({foreign.begin(), foreign.end()}) + ". They are not used.");
     for (const auto* recordings : {&training_, &held_out_})
-      for (const Recording& r : *recordings) add_dirt(d_.dirt, r);
+      for (const Recording& r : *recordings) add_data_quality(d_.data_quality, r);
     d_.model = model;
     d_.logs = training.size() + held_out.size();
     d_.held_out_logs = held_out.size();
@@ -265,7 +265,7 @@ class Diagnoser {
     std::vector<Estimate> out;
     const Cause& c = fit.at.causes[cause];
     const EffectInfo& e = info(c.effect);
-    const bool linear = is_linear(model_, e.seat, c.sites.front());
+    const bool linear = is_linear(model_, e.location_type, c.sites.front());
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
       const Unknown& u = fit.unknowns[k];
       if (!u.of_cause || u.cause != cause) continue;
@@ -295,7 +295,7 @@ class Diagnoser {
       const EffectInfo& e = info(cause.effect);
       Finding f;
       f.cause = cause;
-      for (const std::size_t site : cause.sites) f.at.push_back(site_name(model_, e.seat, site));
+      for (const std::size_t site : cause.sites) f.at.push_back(site_name(model_, e.location_type, site));
       f.parameters = estimates(found.fit, c);
       f.explainable_removed = explainable > 0.0 ? found.gain[c - given] / explainable : 0.0;
       const Fit off = problem.fit(without(found.fit.at, c), 4, &found.fit);
@@ -306,7 +306,7 @@ class Diagnoser {
         text.causes = {named(model_, r.causes.front())};
         const EffectInfo& other = info(r.causes.front().effect);
         for (std::size_t k = 0; k < other.parameter_count; ++k) {
-          const bool linear = is_linear(model_, other.seat, r.causes.front().sites.front());
+          const bool linear = is_linear(model_, other.location_type, r.causes.front().sites.front());
           text.causes.front().parameters.push_back({std::string(name_on(other.parameters()[k], linear)),
                                                     std::string(unit_on(other.parameters()[k], linear)),
                                                     r.causes.front().values[k], NAN, NAN});
@@ -407,7 +407,7 @@ class Diagnoser {
       row.refitted = estimate(found.refitted, before, static_cast<std::size_t>(same - before.rows.begin()));
       row.verdict = r.part == 0 && found.fit.at_bound[r.unknown]
                         ? "at_bound"
-                        : told(model_, after, i, problem.scales().still).verdict;
+                        : parameter_verdict(model_, after, i, problem.scales().still).verdict;
       d_.parameters.push_back(std::move(row));
     }
   }
@@ -436,11 +436,12 @@ class Diagnoser {
   /// their motion (RMS), as on machines of one joint (host/diagnose/posterior.hpp).
   double most_beside(const Cause& cause) const {
     constexpr double kEven = 0.1;
-    const Seat seat = info(cause.effect).seat;
+    const LocationType location_type = info(cause.effect).location_type;
     double left = 0.0;
     for (const std::size_t site : cause.sites) {
-      if (seat != Seat::link && !is_of_joints(seat)) continue;
-      const int joint = seat == Seat::link ? model_.robot.links[site].joint : static_cast<int>(site);
+      if (location_type != LocationType::link && !is_of_joints(location_type)) continue;
+      const int joint =
+          location_type == LocationType::link ? model_.robot.links[site].joint : static_cast<int>(site);
       if (joint < 0) continue;
       const auto j = static_cast<std::size_t>(joint);
       left = std::max(left, d_.extended_error[j].nmse - d_.noise_floor[j]);
@@ -483,14 +484,14 @@ class Diagnoser {
       f.confidence = std::min(f.confidence, most_beside(f.cause));
       if (any_lost || ended_early_) f.confidence = std::min(f.confidence, 0.5);  // whatever the torques say
       if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
-            const Seat seat = info(f.cause.effect).seat;
-            if (seat == Seat::link) {  // it pulls at all joints down to the base
+            const LocationType location_type = info(f.cause.effect).location_type;
+            if (location_type == LocationType::link) {  // it pulls at all joints down to the base
               for (int j = model_.robot.links[site].joint; j >= 0;
                    j = model_.robot.model.shape().parent(static_cast<std::size_t>(j)))
                 if (beside_another(static_cast<std::size_t>(j))) return true;
               return false;
             }
-            return is_of_joints(seat) && beside_another(site);
+            return is_of_joints(location_type) && beside_another(site);
           }))
         f.confidence = std::min(f.confidence, 0.5);
     }
@@ -502,7 +503,7 @@ class Diagnoser {
       std::vector<std::string>& list = label.starts_with("the ") ? wrong : lacks;
       constexpr std::string_view kOwn = "the model's ";
       if (label.starts_with(kOwn)) label = label.substr(kOwn.size());
-      const bool of_log = info(f.cause.effect).seat == Seat::log;
+      const bool of_log = info(f.cause.effect).location_type == LocationType::log;
       list.push_back(std::string(label) + (of_log ? " in the log" : " at " + joined(f.at)));
     }
     if (d_.findings.empty()) {
@@ -600,18 +601,18 @@ Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training
   // One recording that disagrees is taken out, and the rest diagnosed; of a quarter and more nobody can say which are right.
   constexpr double kMinority = 0.25;
   std::vector<log::Log> agreeing = training;
-  std::vector<log::Dirt::LeftOut> left_out;
+  std::vector<log::DataQuality::Excluded> excluded;
   for (;;) {
     Diagnoser diagnoser(model, agreeing, held_out, options);
-    diagnoser.may_disagree(static_cast<double>(left_out.size() + 1) <
+    diagnoser.may_disagree(static_cast<double>(excluded.size() + 1) <
                            kMinority * static_cast<double>(training.size()));
     Diagnosis d = diagnoser.run();
     if (const auto& odd = diagnoser.disagreement()) {
-      left_out.push_back({agreeing[odd->recording].path, odd->why});
+      excluded.push_back({agreeing[odd->recording].path, odd->why});
       agreeing.erase(agreeing.begin() + static_cast<std::ptrdiff_t>(odd->recording));
       continue;
     }
-    d.dirt.left_out = std::move(left_out);
+    d.data_quality.excluded = std::move(excluded);
     return d;
   }
 }

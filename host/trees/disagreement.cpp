@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/core/message.hpp"
-#include "host/core/odd_one.hpp"
+#include "host/core/outlier.hpp"
 #include "host/trees/diagnose.hpp"
 
 namespace furcula::trees {
@@ -62,7 +62,7 @@ std::optional<Disagreement> disagreeing(const TreeModel& model, const std::vecto
   double most = kSuspect;
   for (std::size_t j = 0; j < model.joints(); ++j)
     for (std::size_t i = 0; i < recordings.size(); ++i) {
-      const double times = core::odd_one(before.nmse[j], i).times;
+      const double times = core::outlier(before.nmse[j], i).times;
       if (times <= most || before.over_noise[j][i] <= kOverNoise) continue;
       most = times;
       worst = i;
@@ -76,7 +76,7 @@ std::optional<Disagreement> disagreeing(const TreeModel& model, const std::vecto
   const Hypothesis without = problem.fit(chosen, 6).at;
   const Left after = left_by(model, recordings, window_s, without);
   for (std::size_t j = 0; j < model.joints(); ++j) {
-    const core::OddOne found = core::odd_one(after.nmse[j], *worst);
+    const core::Outlier found = core::outlier(after.nmse[j], *worst);
     if (found.far && after.over_noise[j][*worst] > kOverNoise)
       return Disagreement{*worst, "disagrees with the other " + std::to_string(others.size()) +
                                       ": fitted on those, the model leaves " + core::rounded(found.times, 2) +

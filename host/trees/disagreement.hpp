@@ -15,7 +15,7 @@ struct Disagreement {
 };
 
 /// The recording that disagrees with the others most, if one does grossly: with `chosen` fitted again on the others alone, runs leave
-/// far more of its motion at one joint (by NMSE: core::odd_one) and far more than noise, though each of its joints was driven, and
+/// far more of its motion at one joint (by NMSE: core::outlier) and far more than noise, though each of its joints was driven, and
 /// moved, as in the others. Of at least five recordings.
 std::optional<Disagreement> disagreeing(const TreeModel& model, const std::vector<Recording>& recordings,
                                         const Hypothesis& chosen, double window_s, std::size_t most_windows,

@@ -1,4 +1,4 @@
-// The causes that a robot of several joints can have: each a law of the catalogue on a seat.
+// The causes that a robot of several joints can have: each a law of the catalogue at a location.
 //
 // Laws that machines of one joint have too keep their names and their words (effects/catalogue.hpp).
 #pragma once
@@ -12,8 +12,8 @@
 
 namespace furcula::trees {
 
-/// The sort of a site: drives, encoders and springs go by their joint's name; `base` and `log` are the only sites of their seats.
-enum class Seat : std::uint8_t { joint, drive, encoder, link, base, log, spring };
+/// The sort of a site: drives, encoders and springs go by their joint's name; `base` and `log` are the only sites of their location types.
+enum class LocationType : std::uint8_t { joint, drive, encoder, link, base, log, spring };
 
 /// In the order in which causes are named where the data cannot tell them apart.
 enum class Effect : std::uint8_t {
@@ -58,7 +58,7 @@ inline constexpr std::size_t kMostParameters = 4;
 struct EffectInfo {
   Effect effect;
   std::string_view name, label;
-  Seat seat;
+  LocationType location_type;
   std::string_view law;
   std::array<Parameter, kMostParameters> all_parameters;
   std::size_t parameter_count;
@@ -71,7 +71,7 @@ struct EffectInfo {
 std::span<const EffectInfo> catalogue();
 const EffectInfo& info(Effect effect);
 std::optional<Effect> effect_named(std::string_view name);
-std::string_view name(Seat seat);
+std::string_view name(LocationType location_type);
 /// Laws that published identifications of drives nearly always have: dry and viscous friction, the rotor's inertia, a late command (Swevers,
 /// Verdonck, De Schutter, IEEE Control Systems 27(5), 2007; Lee et al., Science Robotics 5, eabc5986, 2020).
 constexpr bool is_common(Effect e) {
@@ -79,8 +79,9 @@ constexpr bool is_common(Effect e) {
          e == Effect::actuator_delay;
 }
 /// Whether its sites are joints, or parts of them.
-constexpr bool is_of_joints(Seat seat) {
-  return seat == Seat::joint || seat == Seat::drive || seat == Seat::encoder || seat == Seat::spring;
+constexpr bool is_of_joints(LocationType location_type) {
+  return location_type == LocationType::joint || location_type == LocationType::drive ||
+         location_type == LocationType::encoder || location_type == LocationType::spring;
 }
 
 inline std::string_view name_on(const Parameter& p, bool prismatic) {

@@ -58,7 +58,7 @@ std::string reason(const Diagnosis& d, const Cause& cause) {
 /// "torque_nm 0.31 N m, static_torque_nm 0.4 N m"
 std::string values(const TreeModel& model, const Cause& cause) {
   const EffectInfo& e = info(cause.effect);
-  const bool linear = is_linear(model, e.seat, cause.sites.at(0));
+  const bool linear = is_linear(model, e.location_type, cause.sites.at(0));
   std::string out;
   for (std::size_t k = 0; k < e.parameter_count; ++k) {
     const std::string unit(unit_on(e.parameters()[k], linear));
@@ -81,7 +81,7 @@ double joint_friction(const dynamics::tree::JointLaw<double>& law) {
 }
 
 /// What of a cause a file does not hold; empty: nothing. `mjcf` holds more than URDF.
-std::string left_out(const Cause& cause, bool mjcf, bool position_law) {
+std::string excluded(const Cause& cause, bool mjcf, bool position_control) {
   switch (cause.effect) {
     case Effect::coulomb_friction:
     case Effect::damping_error:
@@ -101,7 +101,7 @@ std::string left_out(const Cause& cause, bool mjcf, bool position_law) {
     case Effect::position_gain_error:
       return mjcf ? "" : "the drive's gains are not in the file";
     case Effect::torque_gain_error:
-      if (mjcf && position_law) return "";
+      if (mjcf && position_control) return "";
       return "not in the file: the torque is this many times the commanded one";
     case Effect::joint_elasticity:
       return mjcf ? "the spring is not in the file; the rotor's inertia counts as the joint's"
@@ -111,14 +111,14 @@ std::string left_out(const Cause& cause, bool mjcf, bool position_law) {
   }
 }
 
-std::vector<std::string> what_is_left_out(const Diagnosis& d, bool mjcf) {
+std::vector<std::string> what_is_excluded(const Diagnosis& d, bool mjcf) {
   std::vector<std::string> out;
   for (const Cause& c : d.extended.causes) {
-    const Seat seat = info(c.effect).seat;
-    const bool position_law =
-        seat == Seat::drive && d.extended.drives[c.sites.at(0)].law == DriveLaw::position;
+    const LocationType location_type = info(c.effect).location_type;
+    const bool position_control =
+        location_type == LocationType::drive && d.extended.drives[c.sites.at(0)].law == ControlMode::position;
     if (c.effect == Effect::rotor_inertia_error && d.model.urdf.is_mjcf) continue;
-    if (const std::string what = left_out(c, mjcf, position_law); !what.empty())
+    if (const std::string what = excluded(c, mjcf, position_control); !what.empty())
       out.push_back(cause_name(d.model, c) + " (" + values(d.model, c) + "): " + what);
   }
   return out;
@@ -151,7 +151,7 @@ const FittedBody* fitted_body(const Diagnosis& d, std::size_t i) {
 }
 /// The link's inertial with its causes, a payload last, as SetupMaker applies them.
 Body extended_body(const Diagnosis& d, std::size_t i, const model::UrdfInertia& given,
-                   std::vector<std::string>& left_out) {
+                   std::vector<std::string>& excluded) {
   const FittedBody* fitted = fitted_body(d, i);
   const model::UrdfInertia from = fitted != nullptr ? body_at(given, fitted->at) : given;
   Body b{from.mass_kg, from.frame.at, from.about_centre_kgm2};
@@ -159,7 +159,7 @@ Body extended_body(const Diagnosis& d, std::size_t i, const model::UrdfInertia& 
     if (!is_of_body(c.effect) || !acts_on(c, i)) continue;
     const auto& v = c.values;
     if ((c.effect == Effect::mass_error || c.effect == Effect::inertia_error) && !(v[0] > 0.0)) {
-      left_out.push_back(cause_name(d.model, c) + " (" + values(d.model, c) +
+      excluded.push_back(cause_name(d.model, c) + " (" + values(d.model, c) +
                          "): a link that moves has both above 0");
       continue;
     }
@@ -195,16 +195,16 @@ class UrdfWriter {
 
   std::string write() {
     for (std::size_t i = 0; i < d_.model.joints(); ++i) joint(i);
-    for (const std::size_t i : sites(d_.model, Seat::link)) link(i);
-    for (const std::string& line : what_is_left_out(d_, false)) left_out_.push_back(line);
+    for (const std::size_t i : sites(d_.model, LocationType::link)) link(i);
+    for (const std::string& line : what_is_excluded(d_, false)) excluded_.push_back(line);
     if (d_.model.urdf.is_mjcf)
-      left_out_.emplace_back("armature of <dynamics> is read by furcula; other programs ignore it");
+      excluded_.emplace_back("armature of <dynamics> is read by furcula; other programs ignore it");
     leave_out_drives();
     describe("The robot with what a diagnosis found.");
     return edits_.text();
   }
   std::string write_bodies() {
-    for (const std::size_t i : sites(d_.model, Seat::link)) link(i);
+    for (const std::size_t i : sites(d_.model, LocationType::link)) link(i);
     describe("The robot with inertial parameters that were fitted.");
     return edits_.text();
   }
@@ -299,7 +299,7 @@ class UrdfWriter {
       fuller |= load || c.effect != Effect::com_error;
     }
     if (why.empty()) return;
-    const Body b = extended_body(d_, i, given, left_out_);
+    const Body b = extended_body(d_, i, given, excluded_);
     const std::string& name = d_.model.urdf.links[i].name;
     const std::size_t inertial =
         static_cast<std::size_t>(&needed(named("link", name), "inertial") - elements_.data());
@@ -343,8 +343,8 @@ class UrdfWriter {
     std::vector<std::string> lines{what};
     lines.emplace_back(changed_.empty() ? "Nothing is changed." : "Changed, before -> after:");
     for (const std::string& line : changed_) lines.push_back("  " + line);
-    if (!left_out_.empty()) lines.emplace_back("What a URDF cannot hold:");
-    for (const std::string& line : left_out_) lines.push_back("  " + line);
+    if (!excluded_.empty()) lines.emplace_back("What a URDF cannot hold:");
+    for (const std::string& line : excluded_) lines.push_back("  " + line);
     edits_.insert_on_top(comment(lines));
   }
   void leave_out_drives() {
@@ -353,10 +353,10 @@ class UrdfWriter {
       const std::string of = "[drive] of " + d_.model.robot.joints[i].name + ": ";
       const bool linear = d_.model.prismatic(i);
       if (drive.rotor_inertia_kgm2 != 0.0 && !d_.model.urdf.is_mjcf)
-        left_out_.push_back(of + "rotor inertia " + shortest(drive.rotor_inertia_kgm2) +
+        excluded_.push_back(of + "rotor inertia " + shortest(drive.rotor_inertia_kgm2) +
                             (linear ? " kg" : " kg m^2"));
-      if (drive.law == DriveLaw::position)
-        left_out_.push_back(of + "kp " + shortest(drive.kp_nmprad) +
+      if (drive.law == ControlMode::position)
+        excluded_.push_back(of + "kp " + shortest(drive.kp_nmprad) +
                             (linear ? " N/m, kd " : " N m/rad, kd ") + shortest(drive.kd_nmsprad) +
                             (linear ? " N s/m" : " N m s/rad"));
     }
@@ -367,7 +367,7 @@ class UrdfWriter {
   const std::vector<XmlElement> elements_;
   Edits edits_;
   const Setup setup_;
-  std::vector<std::string> changed_, left_out_;
+  std::vector<std::string> changed_, excluded_;
 };
 
 }  // namespace
@@ -396,21 +396,21 @@ std::string extended_mjcf(const Diagnosis& d) {
     law.friction_nm = joint_friction(law);
     law.static_friction_nm = 0.0;
     law.elastic = false;
-    if (drive.law == DriveLaw::position)
+    if (drive.law == ControlMode::position)
       gains.push_back({robot.joints[i].name, drive.gain * drive.kp_nmprad, drive.gain * drive.kd_nmsprad});
   }
   std::vector<std::string> lines{"The robot with what a diagnosis found."};
   for (const Cause& c : d.extended.causes) lines.push_back("  " + reason(d, c) + ": " + values(d.model, c));
   for (const FittedBody& b : d.extended.bodies)
     lines.push_back("  link " + d.model.robot.links[b.link].name + ": free inertial parameters, fitted");
-  const std::vector<std::string> missing = what_is_left_out(d, true);
+  const std::vector<std::string> missing = what_is_excluded(d, true);
   if (!missing.empty()) lines.emplace_back("What this file does not hold:");
   for (const std::string& line : missing) lines.push_back("  " + line);
   // The robot's own file with what is changed, where that file says it all; else one that is written here.
   const std::string file = (std::filesystem::path(d.model.file).parent_path() / d.model.urdf_path).string();
   if (d.model.urdf.is_mjcf && !d.model.urdf.is_expanded) {
     MjcfChanges changes{{}, {}, robot.model.gravity_mps2};
-    for (const std::size_t i : sites(d.model, Seat::link)) {
+    for (const std::size_t i : sites(d.model, LocationType::link)) {
       const bool of_cause =
           std::any_of(d.extended.causes.begin(), d.extended.causes.end(),
                       [&](const Cause& c) { return is_of_body(c.effect) && acts_on(c, i); });
@@ -423,7 +423,7 @@ std::string extended_mjcf(const Diagnosis& d) {
     }
     for (std::size_t i = 0; i < robot.joints.size(); ++i) {
       const auto& law = robot.model.laws[i];
-      const bool sets = setup.joints[i].law == DriveLaw::position;
+      const bool sets = setup.joints[i].law == ControlMode::position;
       const double gain = setup.joints[i].gain;
       changes.joints[robot.joints[i].name] = {law.armature_kgm2,
                                               law.damping_nmspr,

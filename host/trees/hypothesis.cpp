@@ -71,9 +71,10 @@ std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, c
     const Cause& cause = h.causes[c];
     const EffectInfo& e = info(cause.effect);
     const std::size_t site = cause.sites.front();
-    const std::size_t j = e.seat == Seat::link   ? static_cast<std::size_t>(model.robot.links[site].joint)
-                          : is_of_joints(e.seat) ? site
-                                                 : 0;
+    const std::size_t j = e.location_type == LocationType::link
+                              ? static_cast<std::size_t>(model.robot.links[site].joint)
+                          : is_of_joints(e.location_type) ? site
+                                                          : 0;
     const double torque = scales.torque_nm[j], speed = scales.velocity_radps[j],
                  range = scales.highest_rad[j] - scales.lowest_rad[j];
     for (std::size_t k = 0; k < e.parameter_count; ++k) {

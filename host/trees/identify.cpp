@@ -34,7 +34,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
   share_lateness(fit_on, judge_on);
   Identification out;
   for (const auto* recordings : {&fit_on, &judge_on})
-    for (const Recording& r : *recordings) add_dirt(out.dirt, r);
+    for (const Recording& r : *recordings) add_data_quality(out.data_quality, r);
   out.model = model;
   out.logs = training.size() + held_out_logs.size();
   out.held_out_logs = held_out_logs.size();
@@ -66,7 +66,7 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
     const double half = 1.96 * std::sqrt(all.covariance(i, i));
     row.lower = row.value - half;
     row.upper = row.value + half;
-    const Told verdict = told(model, all, k, problem.scales().still);
+    const ParameterVerdict verdict = parameter_verdict(model, all, k, problem.scales().still);
     row.verdict = verdict.verdict;
     row.with = verdict.with;
     if (r.link) {
@@ -107,7 +107,7 @@ std::string to_json_text(const Identification& found) {
     if (!p.with.empty()) parameters[p.name][p.verdict == "at_bound" ? "bound" : "correlated_with"] = p.with;
   }
   Json data = {{"logs", found.logs}, {"held_out_logs", found.held_out_logs}, {"windows", found.windows}};
-  result::add_data_quality(data, found.dirt);
+  result::add_data_quality(data, found.data_quality);
   Json out = {{"schema", "furcula-identification/2"},
               {"kind", "tree"},
               {"method", "simulation"},

@@ -24,7 +24,7 @@ struct Identification {
   Eigen::MatrixXd covariance;                                  ///< of the parameters, in their order
   std::vector<ChannelError> as_given_error, identified_error;  ///< held out, of each joint
   std::size_t logs = 0, held_out_logs = 0, windows = 0;
-  log::Dirt dirt;
+  log::DataQuality data_quality;
   std::vector<std::string> notes;  ///< what the model was taken for
 };
 

@@ -166,7 +166,7 @@ Linearised::Linearised(const Setup& of_all, const Recording& r, const Window& w,
     }
     if (j.lag_s <= 0.0) continue;
     runner.settle_input(i, lagged_before(j, r, i, w.first));
-    if (j.law == DriveLaw::position) with_state.push_back(i);
+    if (j.law == ControlMode::position) with_state.push_back(i);
   }
   const std::size_t rotors = 2 * n + with_state.size();
   const auto size = static_cast<Index>(rotors + 2 * elastic.size());

@@ -93,7 +93,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
     const double dt = 0.5 * half_s,
                  rate = (smoothed_input(r, j, r.time_s[k] - late + dt, half_s, near) - input) / dt;
     out.drive_rate[j] = d.gain * rate;
-    if (d.law == DriveLaw::position) {
+    if (d.law == ControlMode::position) {
       input = d.kp_nmprad * (input - s.angle_rad) - d.kd_nmsprad * v[j];
       out.drive_rate[j] = d.gain * d.kp_nmprad * (rate - v[j]);
       if (Runner::is_spring(d)) {  // the joint's law has it as a spring and a damper
@@ -116,7 +116,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
                      friction_torque(tree.laws[j], q[j], v[j], out.drive[j]);
   if (tree.foothold.joint >= 0) {
     std::vector<bool> driven;
-    for (const Setup::Joint& d : setup.joints) driven.push_back(d.law != DriveLaw::none);
+    for (const Setup::Joint& d : setup.joints) driven.push_back(d.law != ControlMode::none);
     without_ground(tree, q, v, driven, out.missing);
   }
   return out;
@@ -161,7 +161,7 @@ std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vec
       const Row m = at_row(setup, measured, k, half), s = at_row(setup, simulated, k, half);
       for (std::size_t j = 0; j < n; ++j) {
         // What a foot that stands makes up for is not known there.
-        if (setup.model.foothold.joint >= 0 && setup.joints[j].law == DriveLaw::none) continue;
+        if (setup.model.foothold.joint >= 0 && setup.joints[j].law == ControlMode::none) continue;
         // Dry friction has any value about a reversal.
         const double slow =
             std::max(0.05 * problem.scales().velocity_radps[j], std::abs(m.acceleration[j]) * half);

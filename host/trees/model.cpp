@@ -27,7 +27,7 @@ using core::shortest;
 
 constexpr double kMost = 1e9;
 constexpr std::string_view kInertial = "inertial";
-constexpr std::array<std::string_view, 3> kLaws{"torque", "position", "none"};  // as DriveLaw
+constexpr std::array<std::string_view, 3> kLaws{"torque", "position", "none"};  // as ControlMode
 
 /// Of a robot itself, which stands for a model file that names it and says no more.
 bool is_robot(std::string_view text) {
@@ -293,7 +293,7 @@ class Reader {
       read_drive(core::table(node, name_, where), where, at ? model_.drives[*at] : unused);
     }
     for (std::size_t i = 0; i < model_.joints(); ++i)
-      if (model_.drives[i].law == DriveLaw::position && model_.drives[i].kp_nmprad == 0.0)
+      if (model_.drives[i].law == ControlMode::position && model_.drives[i].kp_nmprad == 0.0)
         fail(name_, table.source(),
              "the drive of joint " + core::quoted(model_.robot.joints[i].name) +
                  " has control_mode \"position\" and no kp_nmprad; expected one above 0");
@@ -305,9 +305,9 @@ class Reader {
       Drive& drive = model_.drives[i];
       drive.rotor_inertia_kgm2 = model_.robot.model.laws[i].armature_kgm2;
       const model::UrdfJoint& joint = joint_in_file(i);
-      if (joint.actuator == Actuator::none) drive.law = DriveLaw::none;
+      if (joint.actuator == Actuator::none) drive.law = ControlMode::none;
       if (joint.actuator != Actuator::position) continue;
-      drive.law = DriveLaw::position;
+      drive.law = ControlMode::position;
       drive.kp_nmprad = joint.kp_nmprad;
       drive.kd_nmsprad = joint.kd_nmsprad;
     }
@@ -331,9 +331,9 @@ class Reader {
         if (which == kLaws.end())
           fail(name_, node.source(),
                "control_mode = " + core::quoted(law) + "; expected one of " + core::listed(kLaws));
-        const auto next = static_cast<DriveLaw>(which - kLaws.begin());
+        const auto next = static_cast<ControlMode>(which - kLaws.begin());
         // Gains of the robot's own file belong to its position actuator.
-        if (next != DriveLaw::position && drive.law == DriveLaw::position)
+        if (next != ControlMode::position && drive.law == ControlMode::position)
           drive.kp_nmprad = drive.kd_nmsprad = 0.0;
         drive.law = next;
         continue;
@@ -486,7 +486,8 @@ class Reader {
   void read_free_body(const std::string& link, const std::string& who, const toml::source_region& where,
                       const toml::node& node) {
     std::vector<std::string_view> names;
-    for (const std::size_t i : sites(model_, Seat::link)) names.emplace_back(model_.robot.links[i].name);
+    for (const std::size_t i : sites(model_, LocationType::link))
+      names.emplace_back(model_.robot.links[i].name);
     const std::string one_of = "; expected one of " + core::listed(names);
     std::size_t i = 0;
     while (i < model_.robot.links.size() && model_.robot.links[i].name != link) ++i;
@@ -536,22 +537,22 @@ class Reader {
     const std::string where = "[effect." + std::string(e.name) + "." + site + "]";
     std::vector<std::string> names;
     std::optional<std::size_t> at;
-    for (const std::size_t i : sites(model_, e.seat)) {
-      names.push_back(site_name(model_, e.seat, i));
+    for (const std::size_t i : sites(model_, e.location_type)) {
+      names.push_back(site_name(model_, e.location_type, i));
       if (names.back() == site) at = i;
     }
     const std::vector<std::string_view> views(names.begin(), names.end());
-    if (!at && e.seat == Seat::link && is_of_held(site, where)) return;
-    if (!at && is_of_joints(e.seat) && held_.contains(site)) {
+    if (!at && e.location_type == LocationType::link && is_of_held(site, where)) return;
+    if (!at && is_of_joints(e.location_type) && held_.contains(site)) {
       of_held_[site].push_back(where);
       return;
     }
     if (!at)
       fail(name_, source,
-           where + ": no " + std::string(name(e.seat)) + " " + core::quoted(site) + "; expected one of " +
-               core::listed(views) + core::did_you_mean(site, views) +
-               (is_of_joints(e.seat) ? why_held(site) : ""));
-    const bool linear = is_linear(model_, e.seat, *at);
+           where + ": no " + std::string(name(e.location_type)) + " " + core::quoted(site) +
+               "; expected one of " + core::listed(views) + core::did_you_mean(site, views) +
+               (is_of_joints(e.location_type) ? why_held(site) : ""));
+    const bool linear = is_linear(model_, e.location_type, *at);
     const toml::table& table = core::table(node, name_, where);
     std::vector<std::string_view> known;
     for (const Parameter& p : e.parameters()) known.push_back(name_on(p, linear));
@@ -572,9 +573,10 @@ class Reader {
       cause.values[k] = core::number(*value, name_, where + " " + std::string(known[k]), p.lower, p.upper,
                                      unit_on(p, linear));
     }
-    if (e.seat == Seat::spring && effect != Effect::spring_rate_error && !model_.springs[*at].switched)
+    if (e.location_type == LocationType::spring && effect != Effect::spring_rate_error &&
+        !model_.springs[*at].switched)
       fail(name_, source, where + ": its spring has a fixed rest_rad; expected one of rest = \"touch_down\"");
-    if (effect == Effect::position_gain_error && model_.drives[*at].law != DriveLaw::position)
+    if (effect == Effect::position_gain_error && model_.drives[*at].law != ControlMode::position)
       fail(name_, source, where + ": its drive has control_mode \"torque\"; expected \"position\"");
     if ((effect == Effect::mass_error || effect == Effect::com_error || effect == Effect::inertia_error) &&
         model_.is_free_body(*at))
@@ -596,7 +598,7 @@ std::string table_of(const std::string& heading, const Drive& drive) {
   std::string out =
       heading + "\ncontrol_mode = \"" + std::string(kLaws[static_cast<std::size_t>(drive.law)]) + "\"\n";
   for (std::size_t k = 0; k < kDriveParameters.size(); ++k)
-    if (k >= 2 || drive.law == DriveLaw::position)
+    if (k >= 2 || drive.law == ControlMode::position)
       out += std::string(kDriveParameters[k]) + " = " + core::toml_float(drive.*kDriveMembers[k]) + "\n";
   return out;
 }
@@ -674,9 +676,9 @@ std::string format_tree_model(const TreeModel& m, const std::string& urdf) {
   for (const Cause& c : m.causes)
     for (const std::size_t site : c.sites) {
       const EffectInfo& e = info(c.effect);
-      out += "\n[effect." + std::string(e.name) + "." + toml_key(site_name(m, e.seat, site)) + "]\n";
+      out += "\n[effect." + std::string(e.name) + "." + toml_key(site_name(m, e.location_type, site)) + "]\n";
       for (std::size_t k = 0; k < e.parameter_count; ++k)
-        out += std::string(name_on(e.parameters()[k], is_linear(m, e.seat, site))) + " = " +
+        out += std::string(name_on(e.parameters()[k], is_linear(m, e.location_type, site))) + " = " +
                core::toml_float(c.values[k]) + "\n";
     }
   return out;
@@ -692,10 +694,10 @@ std::string urdf_seen_from(const TreeModel& model, const std::string& folder) {
   return relative.empty() ? urdf.string() : relative.string();
 }
 
-std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
+std::vector<std::size_t> sites(const TreeModel& model, LocationType location_type) {
   std::vector<std::size_t> out;
-  if (seat == Seat::base || seat == Seat::log) return {0};
-  if (seat == Seat::link) {
+  if (location_type == LocationType::base || location_type == LocationType::log) return {0};
+  if (location_type == LocationType::link) {
     for (std::size_t i = 0; i < model.robot.links.size(); ++i)
       if (model.robot.links[i].joint >= 0 && model.urdf.links[i].inertia &&
           model.urdf.links[i].inertia->mass_kg > 0.0)
@@ -703,26 +705,27 @@ std::vector<std::size_t> sites(const TreeModel& model, Seat seat) {
     return out;
   }
   for (std::size_t i = 0; i < model.joints(); ++i) {
-    if (seat == Seat::spring && model.springs[i].stiffness_nmprad == 0.0) continue;
+    if (location_type == LocationType::spring && model.springs[i].stiffness_nmprad == 0.0) continue;
     out.push_back(i);
   }
   return out;
 }
 
-std::string site_name(const TreeModel& model, Seat seat, std::size_t site) {
-  if (seat == Seat::base || seat == Seat::log) return std::string(name(seat));
-  return seat == Seat::link ? model.robot.links[site].name : model.robot.joints[site].name;
+std::string site_name(const TreeModel& model, LocationType location_type, std::size_t site) {
+  if (location_type == LocationType::base || location_type == LocationType::log)
+    return std::string(name(location_type));
+  return location_type == LocationType::link ? model.robot.links[site].name : model.robot.joints[site].name;
 }
 
 std::string cause_name(const TreeModel& model, const Cause& cause) {
   std::string out(info(cause.effect).name);
   for (std::size_t i = 0; i < cause.sites.size(); ++i)
-    out += (i == 0 ? "@" : ",") + site_name(model, info(cause.effect).seat, cause.sites[i]);
+    out += (i == 0 ? "@" : ",") + site_name(model, info(cause.effect).location_type, cause.sites[i]);
   return out;
 }
 
-bool is_linear(const TreeModel& model, Seat seat, std::size_t site) {
-  return is_of_joints(seat) && model.prismatic(site);
+bool is_linear(const TreeModel& model, LocationType location_type, std::size_t site) {
+  return is_of_joints(location_type) && model.prismatic(site);
 }
 
 }  // namespace furcula::trees

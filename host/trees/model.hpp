@@ -12,7 +12,7 @@
 
 namespace furcula::trees {
 
-enum class DriveLaw { torque, position, none };
+enum class ControlMode { torque, position, none };
 
 /// Beside the drive of a joint: it gives -rate max(q - rest, 0); both ways, -rate (q - rest).
 struct Spring {
@@ -31,7 +31,7 @@ struct Foot {
 
 /// Of one joint. Units of a revolute joint; of a prismatic one N for N m and m for rad.
 struct Drive {
-  DriveLaw law = DriveLaw::torque;
+  ControlMode law = ControlMode::torque;
   double kp_nmprad = 0.0, kd_nmsprad = 0.0;  ///< of the position law: kp (set point - q) - kd v
   double rotor_inertia_kgm2 = 0.0;           ///< reflected to the joint
   double damping_nmspr = 0.0;                ///< viscous, in the joint
@@ -96,7 +96,7 @@ struct TreeModel {
     return robot.joints[joint].kind == model::UrdfJoint::Kind::prismatic;
   }
   /// Whether a drive moves the joint.
-  bool driven(std::size_t joint) const { return drives[joint].law != DriveLaw::none; }
+  bool driven(std::size_t joint) const { return drives[joint].law != ControlMode::none; }
   /// Whether one of a joint's drive parameters (of kDriveParameters) is fitted.
   bool is_free(std::size_t joint, std::size_t parameter) const {
     for (const FreeParameter& f : free)
@@ -139,12 +139,12 @@ std::string urdf_seen_from(const TreeModel& model, const std::string& folder);
 /// A name as a TOML key: bare where it can be.
 std::string toml_key(const std::string& name);
 
-/// The names of all sites of a seat, and of one; links are those that move and have mass.
-std::vector<std::size_t> sites(const TreeModel& model, Seat seat);
-std::string site_name(const TreeModel& model, Seat seat, std::size_t site);
+/// The names of all sites of a location type, and of one; links are those that move and have mass.
+std::vector<std::size_t> sites(const TreeModel& model, LocationType location_type);
+std::string site_name(const TreeModel& model, LocationType location_type, std::size_t site);
 /// "coulomb_friction@elbow", "coulomb_friction@shoulder,elbow"
 std::string cause_name(const TreeModel& model, const Cause& cause);
 /// Whether the site's parameters have the names and units of a prismatic joint.
-bool is_linear(const TreeModel& model, Seat seat, std::size_t site);
+bool is_linear(const TreeModel& model, LocationType location_type, std::size_t site);
 
 }  // namespace furcula::trees

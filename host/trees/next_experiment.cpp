@@ -56,7 +56,7 @@ Recording on_paths(const TreeModel& m, const Setup& setup, const std::vector<Pat
       if (limits && limits->effort > 0.0 && std::abs(torque) > limits->effort) return {};
       if (limits && limits->velocity > 0.0 && std::abs(v[j]) > limits->velocity) return {};
       torque /= std::max(d.gain, 0.05);
-      r.input[j].push_back(d.law == DriveLaw::torque
+      r.input[j].push_back(d.law == ControlMode::torque
                                ? torque
                                : q[j] + d.encoder_offset_rad + (torque + d.kd_nmsprad * v[j]) / d.kp_nmprad);
     }

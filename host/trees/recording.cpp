@@ -243,9 +243,9 @@ void require_motion(const TreeModel& m, const std::vector<Recording>& recordings
           m.file + ")");
 }
 
-void add_dirt(log::Dirt& dirt, const Recording& r) {
-  dirt.refused.insert(dirt.refused.end(), r.refused.begin(), r.refused.end());
-  dirt.notes.insert(dirt.notes.end(), r.log_notes.begin(), r.log_notes.end());
+void add_data_quality(log::DataQuality& data_quality, const Recording& r) {
+  data_quality.refused.insert(data_quality.refused.end(), r.refused.begin(), r.refused.end());
+  data_quality.notes.insert(data_quality.notes.end(), r.log_notes.begin(), r.log_notes.end());
 }
 
 Recording recording_of(const TreeModel& m, const log::Log& given, const std::vector<log::Refuted>& refuted) {
@@ -277,7 +277,7 @@ Recording recording_of(const TreeModel& m, const log::Log& given, const std::vec
       r.angle_noise_rad.push_back(noise_of(r.angle_rad.back()));
       continue;
     }
-    const bool position = m.drives[j].law == DriveLaw::position;
+    const bool position = m.drives[j].law == ControlMode::position;
     const std::string measured = column_of(m, j, position ? "angle_cmd" : "torque");
     const std::string commanded = column_of(m, j, position ? "angle_cmd" : "torque_cmd");
     if (!log.has(measured) && !log.has(commanded))

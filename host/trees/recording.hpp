@@ -33,7 +33,7 @@ struct Recording {
   std::vector<double> angle_noise_rad;              ///< of one sample, standard deviation
   std::vector<bool> input_measured;                 ///< the torque is the drive's report
   double interval_s = 0.0;                          ///< median
-  std::vector<log::RefusedRow> refused;             ///< rows of the log that are not among these
+  std::vector<log::RejectedRow> refused;            ///< rows of the log that are not among these
   std::vector<std::string> log_notes;               ///< what else was done to it, in sentences
   std::vector<std::size_t> log_row;                 ///< of the log that it was made of, of each row
   std::map<std::string, log::MappedColumn> mapped;  ///< of the map file that it was read with
@@ -65,7 +65,7 @@ void share_lateness(std::vector<Recording>& training, std::vector<Recording>& he
 void require_motion(const TreeModel& model, const std::vector<Recording>& recordings);
 
 /// What was wrong with a recording, added to what was with others.
-void add_dirt(log::Dirt& dirt, const Recording& r);
+void add_data_quality(log::DataQuality& data_quality, const Recording& r);
 
 /// A joint's state about a row, from its measured angles alone: a cubic through those within `half_s` of it.
 struct LocalState {

@@ -118,10 +118,11 @@ Reported reported(const TreeModel& model, const Fit& fit) {
   return out;
 }
 
-Told told(const TreeModel& model, const Reported& all, std::size_t row, const std::vector<bool>& still) {
+ParameterVerdict parameter_verdict(const TreeModel& model, const Reported& all, std::size_t row,
+                                   const std::vector<bool>& still) {
   const auto i = static_cast<Eigen::Index>(row);
   const double variance = all.covariance(i, i);
-  Told out{"identified", {}};
+  ParameterVerdict out{"identified", {}};
   double most = 0.0;
   for (std::size_t o = 0; o < all.rows.size(); ++o) {
     const auto j = static_cast<Eigen::Index>(o);

@@ -30,11 +30,12 @@ struct Reported {
 Reported reported(const TreeModel& model, const Fit& fit);
 
 /// Whether recordings and what is known beforehand say how large a row is: "identified", "correlated" with another row, "not_excited".
-struct Told {
+struct ParameterVerdict {
   std::string verdict, with;
 };
 /// By the covariance alone; `still`: joints that stand still.
-Told told(const TreeModel& model, const Reported& all, std::size_t row, const std::vector<bool>& still);
+ParameterVerdict parameter_verdict(const TreeModel& model, const Reported& all, std::size_t row,
+                                   const std::vector<bool>& still);
 
 /// 95 % of a body's row: a mass within its bounds, a principal moment not below 0.
 Interval interval_of(const Fit& fit, const Reported& all, std::size_t row);

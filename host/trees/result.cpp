@@ -11,7 +11,7 @@ namespace {
 result::Finding finding(const Finding& f, const Diagnosis& d) {
   const EffectInfo& e = info(f.cause.effect);
   result::Finding out;
-  out.cause = {std::string(e.name), {}, std::string(name(e.seat)), f.at, f.parameters};
+  out.cause = {std::string(e.name), {}, std::string(name(e.location_type)), f.at, f.parameters};
   out.title = e.label;
   out.law = e.law;
   out.explanation = f.explanation;
@@ -62,8 +62,8 @@ void add_missing_force(const Diagnosis& d, std::size_t joint, result::Diagnosis&
 
 result::Cause named(const TreeModel& model, const Cause& cause) {
   const EffectInfo& e = info(cause.effect);
-  result::Cause out{std::string(e.name), {}, std::string(name(e.seat)), {}, {}};
-  for (const std::size_t site : cause.sites) out.locations.push_back(site_name(model, e.seat, site));
+  result::Cause out{std::string(e.name), {}, std::string(name(e.location_type)), {}, {}};
+  for (const std::size_t site : cause.sites) out.locations.push_back(site_name(model, e.location_type, site));
   return out;
 }
 

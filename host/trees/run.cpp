@@ -148,7 +148,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     for (const std::size_t site : cause.sites) {
       const auto& v = cause.values;
       // Effects on other sites than joints do not touch these.
-      const std::size_t joint = is_of_joints(info(cause.effect).seat) ? site : 0;
+      const std::size_t joint = is_of_joints(info(cause.effect).location_type) ? site : 0;
       auto& law = out.model.laws[joint];
       Setup::Joint& drive = out.joints[joint];
       switch (cause.effect) {
@@ -179,7 +179,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           break;
         case Effect::load_friction:
           law.load_friction_ratio = v[0];
-          drive.stepwise |= drive.law == DriveLaw::position && v[0] != 0.0;
+          drive.stepwise |= drive.law == ControlMode::position && v[0] != 0.0;
           break;
         case Effect::force_offset:
           drive.offset_nm += v[0];
@@ -229,11 +229,11 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
           break;
         case Effect::actuator_lag:
           drive.lag_s = v[0];
-          drive.held_torque |= drive.law == DriveLaw::position && v[0] > 0.0;
+          drive.held_torque |= drive.law == ControlMode::position && v[0] > 0.0;
           break;
         case Effect::torque_saturation:
           drive.limit_nm = v[0];
-          drive.stepwise |= drive.law == DriveLaw::position;
+          drive.stepwise |= drive.law == ControlMode::position;
           break;
         case Effect::torque_ripple:
           drive.ripple_nm = v[0];
@@ -249,7 +249,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
               law.damping_nmspr;  // bearings and seals of the drive are on the rotor's side
           law.damping_nmspr = 0.0;
           law.drive_stiffness_nmprad = v[0];
-          drive.held_torque |= drive.law == DriveLaw::position;
+          drive.held_torque |= drive.law == ControlMode::position;
           break;
         case Effect::encoder_offset:
           drive.encoder_offset_rad += v[0];
@@ -341,7 +341,7 @@ void Runner::follow(const Plant::Joints& q, Plant::Joints& v) const {
   const auto point = point_motion(setup_.model, setup_.model.foothold, q, v);
   std::vector<std::size_t> led;
   for (std::size_t i = 0; i < setup_.joints.size(); ++i)
-    if (setup_.joints[i].law == DriveLaw::none) led.push_back(i);
+    if (setup_.joints[i].law == ControlMode::none) led.push_back(i);
   if (led.empty()) return;
   Eigen::MatrixXd by(3, static_cast<Eigen::Index>(led.size()));
   for (std::size_t k = 0; k < led.size(); ++k) {
@@ -362,7 +362,7 @@ void Runner::go_to(const Place& place) {
 }
 
 double asked_torque(const Setup::Joint& j, double input, double measured_rad, double velocity_radps) {
-  if (j.law == DriveLaw::torque) return input;
+  if (j.law == ControlMode::torque) return input;
   return j.kp_nmprad * (input - measured_rad) - j.kd_nmsprad * velocity_radps;
 }
 

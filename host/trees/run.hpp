@@ -17,7 +17,7 @@ namespace furcula::trees {
 /// A tree with all its causes applied: plain numbers, cheap to make.
 struct Setup {
   struct Joint {
-    DriveLaw law = DriveLaw::torque;
+    ControlMode law = ControlMode::torque;
     double kp_nmprad = 0.0, kd_nmsprad = 0.0;
     double gain = 1.0, lag_s = 0.0;
     double delay_s = 0.0;   ///< below zero where the log's clocks are apart
@@ -123,7 +123,7 @@ class Runner {
   /// Moves on with the inputs of this interval.
   void advance(std::span<const double> input, double dt_s);
   /// Whether the joint's own spring and damper are the drive.
-  static bool is_spring(const Setup::Joint& j) { return j.law == DriveLaw::position && !j.held_torque; }
+  static bool is_spring(const Setup::Joint& j) { return j.law == ControlMode::position && !j.held_torque; }
   double measured(std::size_t joint) const {
     return plant_.positions()[joint] + setup_.joints[joint].encoder_offset_rad;
   }

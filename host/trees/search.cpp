@@ -405,7 +405,7 @@ class Search {
                                      const std::set<std::string>& refused, Found* table) {
     std::vector<ScoreTest::Score> out;
     ScoreTest::Columns base = linear.fitted();
-    std::set<std::pair<Seat, std::size_t>> taken;
+    std::set<std::pair<LocationType, std::size_t>> taken;
     for (std::size_t k = 0; k < problem_.joints() + 1; ++k) {
       double sure = 0.0;
       const auto scores = linear.scores(base, 40, &sure);
@@ -418,7 +418,7 @@ class Search {
         // Of one name the best; but a spring of another stiffness is another one.
         if (!seen.insert(cause_name(problem_.model(), c.columns.front())).second && !c.of_one_size) continue;
         const bool free = std::none_of(c.sites.begin(), c.sites.end(), [&](std::size_t site) {
-          return taken.contains({seat_of(c), site});
+          return taken.contains({location_type_of(c), site});
         });
         if (!free || refused.contains(cause_name(problem_.model(), c.columns.front()))) continue;
         if (best == nullptr) best = &s;
@@ -434,7 +434,7 @@ class Search {
       if (best == nullptr || (!out.empty() && best->gain < 0.2 * out.front().gain)) break;
       out.push_back(*best);
       const Candidate& c = linear.candidates()[best->candidate];
-      for (const std::size_t site : c.sites) taken.insert({seat_of(c), site});
+      for (const std::size_t site : c.sites) taken.insert({location_type_of(c), site});
       for (const Index column : linear.columns_of(best->candidate)) base.push_back(column);
     }
     return out;
@@ -458,9 +458,9 @@ class Search {
     }
     return best;
   }
-  static Seat seat_of(const Candidate& c) {
-    const Seat s = info(c.effect).seat;
-    return is_of_joints(s) ? Seat::joint : s;
+  static LocationType location_type_of(const Candidate& c) {
+    const LocationType s = info(c.effect).location_type;
+    return is_of_joints(s) ? LocationType::joint : s;
   }
 
   /// How far the cause's parameters are from having no effect, in their own scatter, squared.
@@ -694,7 +694,7 @@ class Search {
         for (std::size_t b = a + 1; b < fit.at.causes.size() && !merged; ++b) {
           const Cause &x = fit.at.causes[a], &y = fit.at.causes[b];
           const EffectInfo& e = info(x.effect);
-          if (x.effect != y.effect || e.parameter_count != 1 || e.seat == Seat::link ||
+          if (x.effect != y.effect || e.parameter_count != 1 || e.location_type == LocationType::link ||
               x.effect == Effect::force_offset || x.effect == Effect::encoder_offset)
             continue;
           double vx = 0.0, vy = 0.0, both = 0.0;

@@ -309,7 +309,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
   const auto steps = static_cast<std::size_t>(std::lround(scenario.duration_s * scenario.sample_rate_hz));
   auto tree = believed.model;
   for (std::size_t j = 0; j < n; ++j)
-    if (model.drives[j].law == DriveLaw::position) {
+    if (model.drives[j].law == ControlMode::position) {
       tree.laws[j].stiffness_nmprad -= model.drives[j].kp_nmprad;
       tree.laws[j].damping_nmspr -= model.drives[j].kd_nmsprad;
     }
@@ -352,7 +352,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
       wanted[j] = kFollows_radps * kFollows_radps * (p.q - measured) +
                   2.0 * kFollows_radps * (p.v - runner.velocity(j));
       posture[j] = p.q;
-      if (model.drives[j].law == DriveLaw::position) {
+      if (model.drives[j].law == ControlMode::position) {
         input[j] = p.q;
         column(j, "angle_cmd").push_back(p.q);
         wanted[j] = 0.0;
@@ -365,7 +365,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
     // Through the mass matrix each joint's error is corrected on its own, however many links it carries.
     const auto mass = dynamics::tree::mass_matrix(believed.model, posture);
     for (std::size_t j = 0; j < n; ++j) {
-      if (model.drives[j].law == DriveLaw::torque) {
+      if (model.drives[j].law == ControlMode::torque) {
         input[j] = feed_forward[j];
         for (std::size_t o = 0; o < n; ++o) input[j] += mass[j][o] * wanted[o];
         column(j, "torque_cmd").push_back(input[j]);
@@ -389,7 +389,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
       if (!std::isfinite(runner.measured(j)))
         throw core::DataError("the motion is not finite any more at " + core::shortest(t) +
                               " s; expected slower paths or stronger drives");
-      if (model.drives[j].law == DriveLaw::torque)
+      if (model.drives[j].law == ControlMode::torque)
         column(j, "torque").push_back(input[j] + noise_nm[j] * normal(random));
     }
   }

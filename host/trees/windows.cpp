@@ -49,9 +49,9 @@ Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) 
         velocity[j].push_back(s.velocity_radps);
         acceleration[j].push_back(s.acceleration_radps2);
         const Drive& d = model.drives[j];
-        torque[j].push_back(d.law == DriveLaw::torque ? r.input[j][k]
-                                                      : d.kp_nmprad * (r.input[j][k] - s.angle_rad) -
-                                                            d.kd_nmsprad * s.velocity_radps);
+        torque[j].push_back(d.law == ControlMode::torque ? r.input[j][k]
+                                                         : d.kp_nmprad * (r.input[j][k] - s.angle_rad) -
+                                                               d.kd_nmsprad * s.velocity_radps);
         low[j] = std::min(low[j], s.angle_rad);
         high[j] = std::max(high[j], s.angle_rad);
       }

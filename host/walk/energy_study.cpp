@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "host/core/message.hpp"
+#include "host/walk/batched_rollout.hpp"
 #include "host/walk/search.hpp"
-#include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 
@@ -12,7 +12,7 @@ using namespace dynamics::biped;
 
 EnergyBalance energy_of(const Description& robot, const RolloutOptions& options, const Parameters& walk) {
   EnergyBalance out;
-  Walkers<double> ten(robot, robot, options);
+  BatchedRollout<double> ten(robot, robot, options);
   out.ten_s = ten.run_one(walk);
   out.joints = ten.joint_energy();
   RolloutOptions longer = options;

@@ -9,7 +9,7 @@
 
 namespace furcula::walk {
 
-/// A machine as Walkers simulate it. Attitudes of joints' frames, gear elasticity, backlash, delay and constant torques are left out.
+/// A machine as BatchedRollout simulates it. Attitudes of joints' frames, gear elasticity, backlash, delay and constant torques are left out.
 Member member_of(const furcula::biped::Machine& machine);
 
 struct EnsembleOptions {

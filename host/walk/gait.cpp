@@ -15,7 +15,7 @@ namespace furcula::walk {
 using namespace biped;
 using optimise::Graph;
 using optimise::GraphElement;
-using optimise::Programme;
+using optimise::Nlp;
 using optimise::Recorded;
 using optimise::Spline;
 using optimise::Sum;
@@ -176,9 +176,9 @@ struct Kind {
 };
 constexpr double kNone = optimise::kNoBound;
 
-class StepProgramme {
+class StepNlp {
  public:
-  StepProgramme(const Description& robot, const GaitTask& task) : d_(robot), task_(task), dynamics_(robot) {
+  StepNlp(const Description& robot, const GaitTask& task) : d_(robot), task_(task), dynamics_(robot) {
     cot_ = p_.variable(0.0, 1e3, 3.0);
     step_ = p_.variable(0.02, 1.0, 0.15);
     wide_ = p_.variable(task.limits.apart_m, std::max(0.6, task.limits.apart_m), 0.18);
@@ -204,7 +204,7 @@ class StepProgramme {
     }
   }
 
-  Programme& programme() { return p_; }
+  Nlp& nlp() { return p_; }
 
   Gait gait(const std::vector<double>& x) const {
     Gait out;
@@ -450,7 +450,7 @@ class StepProgramme {
   const Description& d_;
   const GaitTask& task_;
   StanceDynamics<Recorded> dynamics_;
-  Programme p_;
+  Nlp p_;
   std::vector<Phase> phases_;
   int cot_ = 0, step_ = 0, wide_ = 0, energy_ = 0;
 };
@@ -460,7 +460,7 @@ class StepProgramme {
 GaitResult find_gait(const Description& robot, const GaitTask& task) {
   const std::clock_t begin = std::clock();
   GaitResult out;
-  StepProgramme step(robot, task);
+  StepNlp step(robot, task);
   optimise::SolveOptions options;
   options.iterations = 300;
   options.tolerance = 1e-5;
@@ -469,13 +469,13 @@ GaitResult find_gait(const Description& robot, const GaitTask& task) {
     if (task.progress) task.progress(iteration, cost, violation);
     return true;
   };
-  optimise::Solution s = optimise::solve(step.programme(), options);
+  optimise::Solution s = optimise::solve(step.nlp(), options);
   const double left_s = task.cpu_s - static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   if (!s.found && left_s > 0.0) {
     // With Ipopt 3.14 of Debian 13 the adaptive barrier gets stuck at some speeds.
     options.cpu_s = left_s;
     options.monotone = true;
-    optimise::Solution again = optimise::solve(step.programme(), options);
+    optimise::Solution again = optimise::solve(step.nlp(), options);
     if (again.found) s = std::move(again);
   }
   out.found = s.found;

@@ -1,15 +1,16 @@
 #include "host/walk/lanes.hpp"
 
-#include "host/walk/walkers.hpp"
+#include "host/walk/batched_rollout.hpp"
 
 namespace furcula::walk {
 
 void run_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,
                const RolloutOptions& options, std::span<const Job> jobs, std::atomic<std::size_t>& next,
                std::span<Rollout> out) {
-  using Lanes = Walkers<dynamics::Lanes<float, 8>>;
-  Lanes walkers = members.empty() ? Lanes(robot, robot, options) : Lanes(members, robot, options);
-  walkers.run(
+  using SimdBatch = BatchedRollout<dynamics::SimdBatch<float, 8>>;
+  SimdBatch rollouts =
+      members.empty() ? SimdBatch(robot, robot, options) : SimdBatch(members, robot, options);
+  rollouts.run(
       [&](std::size_t& number) -> const Job* {
         number = next++;
         return number < jobs.size() ? &jobs[number] : nullptr;

@@ -9,22 +9,23 @@
 #include <optional>
 
 #include "host/core/message.hpp"
+#include "host/walk/batched_rollout.hpp"
 #include "host/walk/roll_pitch_yaw.hpp"
-#include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 
 using namespace dynamics::biped;
 
 /// A walker between two strides, and its state as a vector.
-class Strider {
+class PeriodicRollout {
  public:
-  using Robot = Walkers<double>;
+  using Robot = BatchedRollout<double>;
   using Vector = Eigen::VectorXd;
   static constexpr Eigen::Index kBias = 3 + 6 + 2 * kJoints + 4 * kVertices + 2;
   static constexpr Eigen::Index kSize = kBias + 3 + kJoints + 3 + 6;
 
-  Strider(const Description& robot, const RolloutOptions& options, const Parameters& walk, int strides)
+  PeriodicRollout(const Description& robot, const RolloutOptions& options, const Parameters& walk,
+                  int strides)
       : r_(robot, robot, options), step_s_(options.step_s), steps_(2 * strides) {
     r_.begin(0, {walk, 0});
   }
@@ -129,7 +130,7 @@ class Strider {
   /// Each number of the state goes through f and becomes what that gives.
   template <class F>
   void each(const F& f) const {
-    const_cast<Strider*>(this)->each_of(f);
+    const_cast<PeriodicRollout*>(this)->each_of(f);
   }
   template <class F>
   void each_of(const F& f) {
@@ -192,7 +193,7 @@ class Strider {
 
 namespace {
 
-using Vector = Strider::Vector;
+using Vector = PeriodicRollout::Vector;
 using Matrix = Eigen::MatrixXd;
 
 constexpr int kStridesBefore = 12;
@@ -201,13 +202,13 @@ constexpr double kClosed = 5e-8;
 constexpr double kDifference = 1e-7;  // of a state, SI units
 
 /// Columns by one stride each, from where `s` is.
-std::optional<Matrix> derivatives(const Strider& s) {
+std::optional<Matrix> derivatives(const PeriodicRollout& s) {
   const Vector x = s.state();
   Matrix out(x.size(), x.size());
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     std::array<Vector, 2> ends;
     for (const std::size_t up : {0u, 1u}) {
-      Strider one = s;
+      PeriodicRollout one = s;
       Vector there = x;
       there(k) += up == 1 ? kDifference : -kDifference;
       one.set(there);
@@ -243,7 +244,7 @@ ReturnMap return_map_of(const Description& robot, const RolloutOptions& options,
   endless.walk_until_s = 1e9;
   endless.time_s = 1e9;
   endless.steps_a_tick = 1;
-  Strider s(robot, endless, walk, strides);
+  PeriodicRollout s(robot, endless, walk, strides);
   const auto fell = [&] {
     out.none = "it falls after " + core::rounded(s.time_s(), 3) + " s";
     return out;
@@ -255,13 +256,13 @@ ReturnMap return_map_of(const Description& robot, const RolloutOptions& options,
     if (!s.stride()) return fell();
 
   // Newton's steps, shortened until they come nearer; where none does, the walk itself goes on by a stride.
-  const auto after = [](const Strider& from, double& closure) {
-    std::optional<Strider> end(from);
-    if (!end->stride()) return std::optional<Strider>{};
+  const auto after = [](const PeriodicRollout& from, double& closure) {
+    std::optional<PeriodicRollout> end(from);
+    if (!end->stride()) return std::optional<PeriodicRollout>{};
     closure = (end->state() - from.state()).cwiseAbs().maxCoeff();
     return end;
   };
-  std::optional<Strider> end = after(s, out.closure);
+  std::optional<PeriodicRollout> end = after(s, out.closure);
   if (!end) return fell();
   std::optional<Matrix> j;
   for (int k = 0; out.closure >= kClosed; ++k) {
@@ -278,10 +279,10 @@ ReturnMap return_map_of(const Description& robot, const RolloutOptions& options,
     bool nearer = false;
     for (double share = 1.0; share > 0.05 && !nearer; share *= 0.5) {
       // From the stride's end, so that what is no part of the state settles too.
-      Strider next = *end;
+      PeriodicRollout next = *end;
       next.set(x + share * step);
       double closure = 0.0;
-      std::optional<Strider> there = after(next, closure);
+      std::optional<PeriodicRollout> there = after(next, closure);
       nearer = there && closure < out.closure;
       if (!nearer) continue;
       if (share < 1.0 || closure > 0.3 * out.closure) j.reset();

@@ -13,8 +13,8 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/parallel.hpp"
+#include "host/walk/batched_rollout.hpp"
 #include "host/walk/lanes.hpp"
-#include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 namespace {
@@ -108,7 +108,7 @@ std::vector<Rollout> run_jobs(const dynamics::biped::Description& robot, const s
 
 Rollout run_walk(const dynamics::biped::Description& robot, const RolloutOptions& options,
                  const Parameters& walk) {
-  return Walkers<double>(robot, robot, options).run_one(walk);
+  return BatchedRollout<double>(robot, robot, options).run_one(walk);
 }
 
 namespace {

@@ -21,7 +21,7 @@ Searched searched(const Model& model, const SearchOptions& options) {
   Searched out;
   out.found = search_walk(model.robot, search);
   if (out.found.found)
-    out.evidence = evidence_of(
+    out.robustness = robustness_of(
         model.robot, options.rollout, out.found.walk, unseen_robots(model, options.rollout.mode),
         options.threads,
         [&](double fraction) { told(kSearch + (1.0 - kSearch) * fraction, "the walk again, with errors"); });
@@ -33,9 +33,9 @@ std::vector<core::NewFile> files_of(const Model& model, const SearchOptions& opt
                                     const std::string& command) {
   const SearchResult& found = searched.found;
   const Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk};
-  return {{folder + "/walk.json", to_json_text(found, searched.evidence, options, model)},
+  return {{folder + "/walk.json", to_json_text(found, searched.robustness, options, model)},
           {folder + "/report.html", render_walk_report(model, options.rollout, found.walk, found.rollout,
-                                                       found.state.history, searched.evidence, command)},
+                                                       found.state.history, searched.robustness, command)},
           {folder + "/walk.toml", format_walk(walk)}};
 }
 

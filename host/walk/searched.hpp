@@ -13,7 +13,7 @@ namespace furcula::walk {
 
 struct Searched {
   SearchResult found;
-  std::optional<Evidence> evidence;  ///< where a walk was found
+  std::optional<Robustness> robustness;  ///< where a walk was found
 };
 
 /// @throws core::DataError: limits that no posture keeps.

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "host/walk/walkers.hpp"
+#include "host/walk/batched_rollout.hpp"
 
 namespace furcula::walk {
 
@@ -15,7 +15,7 @@ struct SensorErrors {
   double gyro_bias_radps = 2e-3, gyro_radps = 3e-3, acc_mps2 = 0.05;
 };
 
-/// One robot's sensors, for Walkers<double>::senses.
+/// One robot's sensors, for BatchedRollout<double>::senses.
 class Sensors {
  public:
   Sensors(const SensorErrors& errors, std::uint64_t seed);

@@ -20,17 +20,17 @@ Simulation simulate_walk(const Description& robot, const RolloutOptions& options
   out.log.rig = "tree";
   auto& columns = out.log.columns;
   const auto every = std::max<long>(1, std::lround(row_s / options.tick_s()));
-  Walkers<double> walkers(robot, robot, options);
+  BatchedRollout<double> rollouts(robot, robot, options);
   control::Imu<double> imu;
   std::optional<Sensors> sensors;
   if (seed) sensors.emplace(SensorErrors{}, *seed);
-  walkers.senses = [&](control::WalkSample<double>& sample, control::Imu<double>& measured) {
+  rollouts.senses = [&](control::WalkSample<double>& sample, control::Imu<double>& measured) {
     if (sensors) (*sensors)(sample, measured);
     imu = measured;
   };
   long tick = 0;
   // The sample, and what the controller made of it; the torques are those of the tick that follows.
-  walkers.watch = [&](const WalkMoment<double>& m) {
+  rollouts.watch = [&](const WalkMoment<double>& m) {
     if (tick++ % every != 0) return;
     const auto put = [&](const std::string& name, double value) { columns[name].push_back(value); };
     put("time_s", m.time_s - options.tick_s());
@@ -49,7 +49,7 @@ Simulation simulate_walk(const Description& robot, const RolloutOptions& options
     put("contact_left_foot", m.sample.left_carries), put("contact_right_foot", m.sample.right_carries);
     put("base_x_m", m.position_m.x), put("base_y_m", m.position_m.y), put("base_z_m", m.position_m.z);
   };
-  out.rollout = walkers.run_one(walk);
+  out.rollout = rollouts.run_one(walk);
   return out;
 }
 

@@ -103,7 +103,7 @@ std::vector<std::string> broken_limits(const Rollout& r, const WalkLimits& m) {
   return out;
 }
 
-std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,
+std::string to_json_text(const SearchResult& found, const std::optional<Robustness>& robustness,
                          const SearchOptions& options, const Model& model) {
   using Json = nlohmann::ordered_json;
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
@@ -159,21 +159,21 @@ std::string to_json_text(const SearchResult& found, const std::optional<Evidence
                 {"capture_point_outside_m", r.outside_m - kSoleMargin_m}}},
               {"limits", limits},
               {"history", history}};
-  if (evidence) {
+  if (robustness) {
     Json steps = Json::array(), changed = Json::array();
-    for (const Trial& t : evidence->steps) steps.push_back(trial(t));
-    for (const Trial& t : evidence->changed) changed.push_back(trial(t));
+    for (const Trial& t : robustness->steps) steps.push_back(trial(t));
+    for (const Trial& t : robustness->changed) changed.push_back(trial(t));
     out["robustness"] = {{"steps", steps},
                          {"changed", changed},
                          {"noisy",
-                          {{"walks", evidence->noisy},
-                           {"upright", evidence->noisy_stand},
-                           {"within_limits", evidence->noisy_keep_limits}}},
+                          {{"walks", robustness->noisy},
+                           {"upright", robustness->noisy_stand},
+                           {"within_limits", robustness->noisy_keep_limits}}},
                          {"other_robots",
-                          {{"robots", evidence->drawn},
+                          {{"robots", robustness->drawn},
                            {"deviations", EnsembleOptions{}.deviations},
-                           {"upright", evidence->drawn_stand}}}};
-    const ReturnMap& map = evidence->map;
+                           {"upright", robustness->drawn_stand}}}};
+    const ReturnMap& map = robustness->map;
     Json& to = out["robustness"]["return_map"];
     if (map.found)
       to = {{"stride_s", map.stride_s},

@@ -9,7 +9,7 @@
 
 #include "furcula/dynamics/biped/parameters.hpp"
 #include "host/biped/machine.hpp"
-#include "host/walk/evidence.hpp"
+#include "host/walk/robustness.hpp"
 #include "host/walk/search.hpp"
 #include "host/walk/walk_toml.hpp"
 
@@ -55,14 +55,14 @@ inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_
   return o;
 }
 
-/// Robots about the model that no search has seen, for evidence_of.
+/// Robots about the model that no search has seen, for robustness_of.
 std::vector<Member> unseen_robots(const Model& model, WalkMode mode);
 
 /// What of the limits is not kept, in words.
 std::vector<std::string> broken_limits(const Rollout& rollout, const WalkLimits& limits);
 
 /// walk.json, `furcula-walk/1` (docs/contracts.md).
-std::string to_json_text(const SearchResult& found, const std::optional<Evidence>& evidence,
+std::string to_json_text(const SearchResult& found, const std::optional<Robustness>& robustness,
                          const SearchOptions& options, const Model& model);
 
 }  // namespace furcula::walk

@@ -10,9 +10,9 @@
 #include "host/report/html.hpp"
 #include "host/report/line_plot.hpp"
 #include "host/report/page.hpp"
+#include "host/walk/batched_rollout.hpp"
 #include "host/walk/ensemble.hpp"
 #include "host/walk/roll_pitch_yaw.hpp"
-#include "host/walk/walkers.hpp"
 
 namespace furcula::walk {
 namespace {
@@ -69,13 +69,13 @@ struct Filmed {
 };
 Filmed film(const Model& model, const RolloutOptions& options, const walk::Parameters& walk) {
   Filmed out;
-  Walkers<double> walkers(model.robot, model.robot, options);
+  BatchedRollout<double> rollouts(model.robot, model.robot, options);
   int tick = 0;
-  walkers.watch = [&](const WalkMoment<double>& m) {
+  rollouts.watch = [&](const WalkMoment<double>& m) {
     if (tick++ % kTicksAFrame == 0) out.frames.push_back(frame_of(model.robot, m));
   };
-  walkers.run_one(walk);
-  out.joints = walkers.joint_energy();
+  rollouts.run_one(walk);
+  out.joints = rollouts.joint_energy();
   return out;
 }
 
@@ -131,7 +131,7 @@ std::string search_html(const std::vector<SearchPoint>& history) {
          report::line_plot_html({"Its cost of transport, where it walks", "time of one processor, s", {cot}});
 }
 
-std::string evidence_html(const Evidence& e) {
+std::string robustness_html(const Robustness& e) {
   report::Table table({{"Again in double"}, {"ends"}, {"m", true}, {"cost of transport", true}});
   for (const auto* trials : {&e.steps, &e.changed})
     for (const Trial& t : *trials) {
@@ -195,7 +195,7 @@ std::string mode_in_words(WalkMode mode) {
 std::string render_walk_report(const Model& model, const RolloutOptions& options,
                                const walk::Parameters& walk, const Rollout& r,
                                const std::vector<SearchPoint>& history,
-                               const std::optional<Evidence>& evidence, const std::string& command) {
+                               const std::optional<Robustness>& robustness, const std::string& command) {
   const auto [frames, joints] = film(model, options, walk);
   const bool stands = r.ending == Ending::stands;
   report::Table limits({{"Limit"}, {"largest", true}, {"allowed", true}, {"left"}});
@@ -251,7 +251,7 @@ std::string render_walk_report(const Model& model, const RolloutOptions& options
       report::section("curves", "Curves", plots(frames, semi)) +
       report::section("limits", "Limits", limits.html()) +
       report::section("joints", "Energy by motor", motors_html(joints, r)) +
-      (evidence ? report::section("robustness", "Robustness", evidence_html(*evidence)) : "") +
+      (robustness ? report::section("robustness", "Robustness", robustness_html(*robustness)) : "") +
       (history.size() > 1 ? report::section("search", "The search", search_html(history)) : "");
   return report::render(page);
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/walk/evidence.hpp"
+#include "host/walk/robustness.hpp"
 #include "host/walk/search.hpp"
 #include "host/walk/walk_file.hpp"
 
@@ -19,6 +19,6 @@ std::string motors_html(const std::array<JointEnergy, dynamics::biped::kJoints>&
 /// One HTML file that works offline. `history` is the search's, empty where there was none; `command` writes the page again.
 std::string render_walk_report(const Model& model, const RolloutOptions& options, const Parameters& walk,
                                const Rollout& rollout, const std::vector<SearchPoint>& history,
-                               const std::optional<Evidence>& evidence, const std::string& command);
+                               const std::optional<Robustness>& robustness, const std::string& command);
 
 }  // namespace furcula::walk

@@ -80,17 +80,17 @@ FoundWalk search(const Model& model, const std::string& mode, const std::string&
     options.progress = [&](double fraction, const std::string& doing) { tell(share * fraction, doing); };
     const walk::SearchResult found = walk::search_walk(biped.robot, options);
     if (tell.cancelled()) throw Cancelled{};
-    std::optional<walk::Evidence> evidence;
+    std::optional<walk::Robustness> checked;
     if (found.found && robustness)
-      evidence = walk::evidence_of(
+      checked = walk::robustness_of(
           biped.robot, options.rollout, found.walk, walk::unseen_robots(biped, options.rollout.mode),
           options.threads,
           [&](double fraction) { tell(0.98 + 0.02 * fraction, "the walk again, with errors"); });
-    out.json = walk::to_json_text(found, evidence, options, biped);
+    out.json = walk::to_json_text(found, checked, options, biped);
     out.walk =
         walk::format_walk({biped.name, options.rollout.mode, options.rollout.walk_until_s, found.walk});
     out.report = walk::render_walk_report(biped, options.rollout, found.walk, found.rollout,
-                                          found.state.history, evidence, "furcula.search_walk");
+                                          found.state.history, checked, "furcula.search_walk");
   });
   return out;
 }

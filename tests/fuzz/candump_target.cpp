@@ -27,14 +27,14 @@ void check_signals(const bus::Frame& frame, const std::vector<bus::NodeMessage>&
 }
 
 /// A hopper's columns whose counts are known.
-bus::Arrangement hopper(const bus::MessageFinder& finder) {
+bus::ChannelPermutation hopper(const bus::MessageFinder& finder) {
   return bus::arrange("hopper", bus::usual_nodes(), {},
                       {bus::parse_column("height_m=Rail.Sample.Count*0.0001+0.1", finder.messages())});
 }
 
 /// Rows of a robot's two drives, by what the recording tells of them.
 void make_joints(const std::vector<bus::LogFrame>& frames, const bus::MessageFinder& finder) {
-  bus::Arrangement wanted =
+  bus::ChannelPermutation wanted =
       bus::arrange("tree", bus::usual_nodes(), {{"knee", "Knee"}, {"hip", "Axis", -6.0}},
                    {bus::parse_column("mode=Axis.Set_Controller_Mode.Control_Mode", finder.messages())});
   for (bus::Column& c : wanted.columns) c.required = false;
@@ -42,7 +42,7 @@ void make_joints(const std::vector<bus::LogFrame>& frames, const bus::MessageFin
   for (const bus::LogFrame& f : frames) survey.add(f);
   std::vector<std::string> notes;
   try {
-    const bus::Arrangement found = survey.finish(notes);
+    const bus::ChannelPermutation found = survey.finish(notes);
     double last_s = -1.0;
     bus::RowMaker maker(finder, found, [&](std::size_t, const std::vector<double>& row) {
       for (const double value : row) require(value - value == 0.0, "a row holds numbers");
@@ -62,13 +62,13 @@ bool accepts(std::string_view input) {
   static const std::vector<bus::Node> nodes = bus::usual_nodes();
   static const std::vector<bus::NodeMessage> messages = bus::messages_of(nodes);
   static const bus::MessageFinder finder(nodes);
-  static const bus::Arrangement arrangement = hopper(finder);
+  static const bus::ChannelPermutation permutation = hopper(finder);
   bus::Decoder decoder(nodes);
-  bus::Survey survey(finder, arrangement);
+  bus::Survey survey(finder, permutation);
   double last_s = -1.0;
   std::size_t last_run = 1;
-  bus::RowMaker maker(finder, arrangement, [&](std::size_t run, const std::vector<double>& row) {
-    require(row.size() == arrangement.columns.size() + 1, "a row has a value for each column");
+  bus::RowMaker maker(finder, permutation, [&](std::size_t run, const std::vector<double>& row) {
+    require(row.size() == permutation.columns.size() + 1, "a row has a value for each column");
     for (const double value : row) require(value - value == 0.0, "a row holds numbers");
     require(row.front() > last_s && run >= last_run, "time goes on");
     last_s = row.front();

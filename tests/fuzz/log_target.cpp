@@ -8,7 +8,7 @@ namespace furcula::fuzz {
 
 bool accepts(std::string_view input) {
   std::string rig = "hopper";
-  for (const log::RigInfo& r : log::kRigs)
+  for (const log::MachineType& r : log::kRigs)
     if (input.find("# machine_type: " + std::string(r.name) + "\n") != input.npos) rig = r.name;
   if (input.starts_with("\x89MCAP")) rig = "tree";
   log::Log log;

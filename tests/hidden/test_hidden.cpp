@@ -213,7 +213,7 @@ TEST_CASE("Coulomb friction is found in a hopper that lets its spring go in flig
   INFO(j.said);
   CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::named)));
   CHECK(listed(j.extra) == "");
-  CHECK(d.left_out.empty());
+  CHECK(d.excluded.empty());
 }
 
 TEST_CASE("Nothing is found in a hopper that hides nothing") { expect_adequate(Kind::hopper_linear); }

@@ -60,7 +60,7 @@ class Rig {
   void tick() {
     const std::int64_t late_ns = timer_.wait();
     if (late_ns > most_late_ns_) most_late_ns_ = late_ns;
-    if (ticks_++ % 10 == 0) send(walk::kWalkerBodyBus, host_.command(wish, 0.0f, 0.3f, false));
+    if (ticks_++ % 10 == 0) send(walk::kWalkerBodyBus, host_.command(request, 0.0f, 0.3f, false));
     for (const bus::Frame& frame : devices_.speak()) send(walk::kWalkerBodyBus, frame);
     // Drives answer at once, until shortly before the tick ends.
     const std::int64_t end_ns = timer_.woke_ns() - late_ns + kTickNs - 100'000;
@@ -76,11 +76,11 @@ class Rig {
   }
   /// At once: a program that does it would hold up the drives' answers.
   bool take_down(std::size_t bus) const {
-    ifreq request{};
-    std::memcpy(request.ifr_name, kInterfaces[bus], std::strlen(kInterfaces[bus]));
-    if (::ioctl(can_[bus]->fd(), SIOCGIFFLAGS, &request) != 0) return false;
-    request.ifr_flags = static_cast<short>(request.ifr_flags & ~IFF_UP);
-    return ::ioctl(can_[bus]->fd(), SIOCSIFFLAGS, &request) == 0;
+    ifreq flags{};
+    std::memcpy(flags.ifr_name, kInterfaces[bus], std::strlen(kInterfaces[bus]));
+    if (::ioctl(can_[bus]->fd(), SIOCGIFFLAGS, &flags) != 0) return false;
+    flags.ifr_flags = static_cast<short>(flags.ifr_flags & ~IFF_UP);
+    return ::ioctl(can_[bus]->fd(), SIOCSIFFLAGS, &flags) == 0;
   }
   /// @returns whether it came within so many ticks.
   template <class Condition>
@@ -95,7 +95,7 @@ class Rig {
   WalkerStage stage() const { return devices_.told().stage; }
   Fault fault() const { return static_cast<Fault>(words.fault); }
 
-  rig::Host::Wish wish = rig::Host::Wish::stop;
+  rig::Host::Request request = rig::Host::Request::stop;
   rig::BoardWords words;
   int broken_ticks = 0;
 
@@ -126,7 +126,7 @@ std::string play(Rig& rig, const std::string& which) {
   if (!rig.come(10'000, [&] { return rig.words.heard && rig.words.state == 1; }))
     return "it is not idle after 10 s: state " + std::to_string(rig.words.state) + ", fault " + told();
   rig.forget_lateness();  // programs were being loaded
-  rig.wish = rig::Host::Wish::hop;
+  rig.request = rig::Host::Request::hop;
   if (!rig.come(2'000, [&] { return rig.stage() == WalkerStage::walking; }))
     return "it does not walk 2 s after it was told to: fault " + told();
   const double begin_s = rig.devices().rig().time_s();
@@ -138,7 +138,7 @@ std::string play(Rig& rig, const std::string& which) {
     if (!(state.position_m.z > 0.9)) return "it does not stand";
     if (!(state.position_m.x > 0.5)) return "it did not get 0.5 m ahead";
     std::cout << "walked " << state.position_m.x << " m in 10 s, and stands\n";
-    rig.wish = rig::Host::Wish::stop;
+    rig.request = rig::Host::Request::stop;
     if (!rig.come(20, [&] { return rig.stage() == WalkerStage::idle; })) return "it does not stop";
     return "";
   }

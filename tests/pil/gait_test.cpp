@@ -35,7 +35,7 @@ struct Run {
   std::map<int, std::size_t> ticks_with_fault;
   double most_torque_after_fault = 0.0;
   unsigned strides = 0;
-  pil::Measured farewell;
+  pil::Measured shutdown_reply;
 };
 
 Run run_in_lock_step(std::size_t ticks, LegFault fault, double fault_s) {
@@ -67,7 +67,7 @@ Run run_in_lock_step(std::size_t ticks, LegFault fault, double fault_s) {
   pil::LegTick last;
   last.kind = pil::kLegEnd;
   board.send(last);
-  run.farewell = board.receive<pil::Measured>();
+  run.shutdown_reply = board.receive<pil::Measured>();
   board.wait_for_end();
   return run;
 }
@@ -84,14 +84,14 @@ TEST_CASE("20,000 ticks of a gait are bit-equal on the Cortex-M4F and on the hos
   CHECK(run.strides <= 37);
   CHECK(run.touchdowns >= run.strides - 1);
   CHECK(run.ticks_with_fault.size() == 1);
-  CHECK(run.farewell.hundred_nops == 100);
+  CHECK(run.shutdown_reply.hundred_nops == 100);
   std::ofstream(image() + ".measured") << "worst_tick " << run.worst_instructions << "\nstack_measured "
-                                       << run.farewell.deepest_stack_bytes << "\n";
+                                       << run.shutdown_reply.deepest_stack_bytes << "\n";
   auto budget = test::budget_of(kBoard);
   CHECK(run.worst_instructions > 100);
   CHECK(run.worst_instructions <= budget["worst_tick"]);
-  CHECK(run.farewell.deepest_stack_bytes > 50);
-  CHECK(run.farewell.deepest_stack_bytes <= budget["stack_measured"]);
+  CHECK(run.shutdown_reply.deepest_stack_bytes > 50);
+  CHECK(run.shutdown_reply.deepest_stack_bytes <= budget["stack_measured"]);
 }
 
 TEST_CASE(

@@ -72,7 +72,7 @@ struct Run {
   std::size_t touchdowns = 0;
   float highest_torque_nm = 0.0f;
   double highest_m = 0.0;  ///< of the last second
-  pil::Farewell farewell;
+  pil::ShutdownReply shutdown_reply;
 };
 
 /// The host's application and the board's get the same samples; the plant obeys the board's command alone.
@@ -115,7 +115,7 @@ Run run_in_lock_step(const model::Model& model, const sim::Scenario& scenario, s
     if (rig.time_s() > scenario.duration_s - 1.0)
       run.highest_m = std::max(run.highest_m, rig.plant().height_m());
   }
-  run.farewell = qemu.finish();
+  run.shutdown_reply = qemu.finish();
   return run;
 }
 
@@ -146,7 +146,7 @@ torque = { profile = "harmonic", amplitude_nm = 2, period_s = 0.3 }
   CHECK(run.touchdowns > 40);
   CHECK(run.highest_torque_nm == Approx(2.0f).margin(0.01));
   CHECK(run.ticks_with_fault.size() == 1);
-  CHECK(run.farewell.watchdog_kicks == 20000);
+  CHECK(run.shutdown_reply.watchdog_kicks == 20000);
 }
 
 TEST_CASE(
@@ -180,9 +180,9 @@ fault = [{ time_s = 5, kind = "coil_open", duration_s = 1 }, { time_s = 10, kind
     CHECK(run.differing_ticks == 0);
     CHECK(run.touchdowns > 30);
     CHECK(run.ticks_with_fault.size() == 1);
-    CHECK(run.farewell.measured.hundred_nops == 100);  // the counter counts instructions
+    CHECK(run.shutdown_reply.measured.hundred_nops == 100);  // the counter counts instructions
     worst_tick = std::max(worst_tick, run.worst_instructions);
-    stack = std::max(stack, run.farewell.measured.deepest_stack_bytes);
+    stack = std::max(stack, run.shutdown_reply.measured.deepest_stack_bytes);
   }
   // For the table of scripts/size-budget.
   std::ofstream(std::string(pil::own_image()) + ".measured")

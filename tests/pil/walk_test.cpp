@@ -82,9 +82,9 @@ pil::Measured end(pil::EmulatedBoard& board) {
   pil::WalkTick last;
   last.kind = pil::kWalkEnd;
   board.send(last);
-  const auto farewell = board.receive<pil::Measured>();
+  const auto shutdown_reply = board.receive<pil::Measured>();
   board.wait_for_end();
-  return farewell;
+  return shutdown_reply;
 }
 
 }  // namespace
@@ -101,18 +101,18 @@ TEST_CASE("10 s of a biped's walk are bit-equal on the Cortex-M4F and on the hos
   CHECK(run.found == Fault::none);
   CHECK(run.way_m > 0.5);
   CHECK(run.height_m > 0.9);
-  const pil::Measured farewell = end(board);
-  CHECK(farewell.hundred_nops == 100);
+  const pil::Measured shutdown_reply = end(board);
+  CHECK(shutdown_reply.hundred_nops == 100);
   std::ofstream(image() + ".measured")
       << "worst_tick " << run.worst_instructions << "\nmean_tick " << run.mean_instructions()
-      << "\nstack_measured " << farewell.deepest_stack_bytes << "\n";
+      << "\nstack_measured " << shutdown_reply.deepest_stack_bytes << "\n";
   auto budget = test::budget_of(kBoard);
   CHECK(budget["worst_tick"] <= 12000.0);
   CHECK(run.mean_instructions() > 1000);
   CHECK(run.mean_instructions() <= budget["mean_tick"]);
   CHECK(run.worst_instructions <= budget["worst_tick"]);
-  CHECK(farewell.deepest_stack_bytes > 500);
-  CHECK(farewell.deepest_stack_bytes <= budget["stack_measured"]);
+  CHECK(shutdown_reply.deepest_stack_bytes > 500);
+  CHECK(shutdown_reply.deepest_stack_bytes <= budget["stack_measured"]);
 }
 
 TEST_CASE(

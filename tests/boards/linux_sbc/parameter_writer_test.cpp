@@ -8,8 +8,8 @@
 #include <functional>
 #include <thread>
 
-#include "boards/linux_sbc/hatch.hpp"
 #include "boards/linux_sbc/loop.hpp"
+#include "boards/linux_sbc/mailbox.hpp"
 #include "boards/linux_sbc/say.hpp"
 #include "boards/linux_sbc/signals.hpp"
 #include "firmware/app/node.hpp"
@@ -91,7 +91,7 @@ struct Robot {
         can.arrive(*reply);
       can.arrive(encoder.sample(1000, 0, true));
       static_cast<void>(board.wait_for_tick());
-      linux_sbc::run_tick(board, node, registers, hatch);
+      linux_sbc::run_tick(board, node, registers, mailbox);
     }
   }
   void finish_save(int number) {
@@ -115,13 +115,14 @@ struct Robot {
   firmware::FaultLog faults{};
   Node node{board, writer, patient(), {}, 7, faults};
   firmware::NodeRegisters<Node> registers{node};
-  linux_sbc::Hatch hatch;
+  linux_sbc::Mailbox mailbox;
 };
 
 /// A robot whose loop runs on a thread, and a host at its Modbus server.
 struct ServedRobot : Robot {
   ServedRobot()
-      : server("127.0.0.1", 0, [this](std::span<const std::uint8_t> request) { return hatch.ask(request); }),
+      : server("127.0.0.1", 0,
+               [this](std::span<const std::uint8_t> request) { return mailbox.ask(request); }),
         client(modbus::parse_port("modbus:127.0.0.1:" + std::to_string(server.port()))) {}
   ~ServedRobot() {
     ended = true;

@@ -43,10 +43,11 @@ walk::WalkerRigConfig robot_of(const char* mode = "active", std::uint64_t seed =
 
 /// Who tells the robot what to do.
 struct Host {
-  enum class Wish : std::uint8_t { stop = 1, hop = 2, reset = 3 };
-  bus::Frame command(Wish wish) {
+  enum class Request : std::uint8_t { stop = 1, hop = 2, reset = 3 };
+  bus::Frame command(Request request) {
     bus::Frame frame = bus::empty_frame(bus::message::kCommand, 1);
-    frame.data = {static_cast<std::uint8_t>(bus::kProtocolVersion | static_cast<int>(wish) << 4), sequence++};
+    frame.data = {static_cast<std::uint8_t>(bus::kProtocolVersion | static_cast<int>(request) << 4),
+                  sequence++};
     return frame;
   }
   std::uint8_t sequence = 0;
@@ -89,7 +90,7 @@ struct Robot {
   }
 
   /// What a host says from now on, every 10 ms.
-  void say(Host::Wish wish) { wish_ = wish; }
+  void say(Host::Request request) { request_ = request; }
   void fall_silent() { host_speaks_ = false; }
 
   /// A tick: what comes for it, furculad's loop, what comes of it.
@@ -99,7 +100,7 @@ struct Robot {
     after();
   }
   void before() {
-    if (host_speaks_ && ticks % 10 == 0) send(walk::kWalkerBodyBus, host_.command(wish_));
+    if (host_speaks_ && ticks % 10 == 0) send(walk::kWalkerBodyBus, host_.command(request_));
     for (const bus::Frame& frame : devices.speak()) send(walk::kWalkerBodyBus, frame);
     heard = in;
     for (auto& frames : in) frames.clear();
@@ -128,7 +129,7 @@ struct Robot {
   void walk() {
     tick(200);
     REQUIRE(node.state() == bus::NodeState::idle);
-    say(Host::Wish::hop);
+    say(Host::Request::hop);
     while (node.outputs().stage != WalkerStage::walking && ticks < 2000) tick();
     INFO(control::info(node.outputs().fault).name << ", joint " << node.outputs().suspect);
     REQUIRE(node.outputs().stage == WalkerStage::walking);
@@ -151,7 +152,7 @@ struct Robot {
 
  private:
   Host host_;
-  Host::Wish wish_ = Host::Wish::stop;
+  Host::Request request_ = Host::Request::stop;
   bool host_speaks_ = true;
 };
 
@@ -223,7 +224,7 @@ TEST_CASE(
     int running = 0;
     INFO(mode);
     for (int i = 0; i < 10500; ++i) {
-      if (i == 200) robot.say(Host::Wish::hop);
+      if (i == 200) robot.say(Host::Request::hop);
       robot.tick();
       take(sample, robot.heard);
       control::WalkerInputs in;
@@ -350,7 +351,7 @@ TEST_CASE(
       if (!row.from_start) config.fault_s += 0.2;
       Robot robot(config);
       robot.tick(200);
-      robot.say(Host::Wish::hop);
+      robot.say(Host::Request::hop);
       const Trial t = until_found(robot);
       INFO(row.name << " at " << config.fault_s << " s, joint " << config.joint << ": found "
                     << control::info(t.found).name << " after " << t.after_ticks << ", joint " << t.suspect);
@@ -468,7 +469,7 @@ TEST_CASE("who stops has the drives off at once, and a host that falls silent ha
   robot.walk();
   robot.tick(100);
   SECTION("stop") {
-    robot.say(Host::Wish::stop);
+    robot.say(Host::Request::stop);
     robot.tick(12);
     CHECK(robot.node.outputs().fault == Fault::none);
     CHECK(robot.node.state() == bus::NodeState::idle);
@@ -490,7 +491,7 @@ TEST_CASE("a robot whose devices do not all answer is in its fault after a secon
   robot.body_lost = 0x581;
   robot.tick(900);
   CHECK(robot.node.state() == bus::NodeState::starting);
-  robot.say(Host::Wish::hop);
+  robot.say(Host::Request::hop);
   robot.tick(300);
   CHECK(robot.node.state() == bus::NodeState::fault);
   CHECK(robot.node.outputs().fault == Fault::peer_lost);

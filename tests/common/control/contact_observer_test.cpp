@@ -124,11 +124,11 @@ TEST_CASE("what is not a number leaves nothing behind") {
 
 TEST_CASE(
     "the observer is trusted after two strides on which the switch agreed, and not after a long quarrel") {
-  WitnessState state;
+  RedundantSensorState state;
   const auto ticks = [&](int count, bool observed, bool closed) {
     for (int i = 0; i < count; ++i) {
       note_observer(state, observed);
-      compare_witnesses(state, closed, 0.001f);
+      compare_redundant_sensors(state, closed, 0.001f);
     }
   };
   ticks(10, false, false);

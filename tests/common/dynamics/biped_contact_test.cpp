@@ -20,7 +20,7 @@ std::array<Vec3<double>, 8> vertices(const biped::Description& d, const biped::P
   biped::kinematics<biped::DesignTopology>(p, s, k);
   std::array<Vec3<double>, 8> out;
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto pick = [&](const Vec3<dynamics::Lanes<double, 2>>& v) {
+    const auto pick = [&](const Vec3<dynamics::SimdBatch<double, 2>>& v) {
       return Vec3<double>{v.x[side], v.y[side], v.z[side]};
     };
     const auto& leg = k.legs[0];

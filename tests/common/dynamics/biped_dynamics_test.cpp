@@ -34,7 +34,7 @@ double inverse_dynamics_error(Random& r, const biped::Description& d, const Tree
 biped::JointLaws<double> limp(const biped::Parameters<double>& p) {
   auto laws = biped::active_laws(p);
   for (auto& l : laws[0])
-    l.kp_nmprad = l.kd_nmsprad = l.damping_nmspr = l.friction_nm = dynamics::Lanes<double, 2>(0.0);
+    l.kp_nmprad = l.kd_nmsprad = l.damping_nmspr = l.friction_nm = dynamics::SimdBatch<double, 2>(0.0);
   return laws;
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("A wrench at a foot and a torque in a joint see each other's motion (M
     act.gravity_mps2 = {0.0, 0.0, 0.0};
     const std::size_t foot = static_cast<std::size_t>(n % 2);
     const Force<double> wrench{r.vector(30.0), r.vector(300.0)};
-    const auto lane = [&](dynamics::Lanes<double, 2>& x, double value) { x.set(foot, value); };
+    const auto lane = [&](dynamics::SimdBatch<double, 2>& x, double value) { x.set(foot, value); };
     lane(act.foot[0].n.x, wrench.n.x), lane(act.foot[0].n.y, wrench.n.y), lane(act.foot[0].n.z, wrench.n.z);
     lane(act.foot[0].f.x, wrench.f.x), lane(act.foot[0].f.y, wrench.f.y), lane(act.foot[0].f.z, wrench.f.z);
     const auto pushed = biped::accelerations(p, s, act);

@@ -118,7 +118,7 @@ TEST_CASE("A motor behind an open clutch comes to its link's angle as its equati
   Robot r;
   biped::set_mode(r.p, biped::kLeft, biped::kKneeClutch, Mode::released, r.laws, r.s);
   const double off = 1e-5, h = 1e-5;
-  r.s.rotors_rad[0][1] = dynamics::Lanes<double, 2>(off);
+  r.s.rotors_rad[0][1] = dynamics::SimdBatch<double, 2>(off);
   // Below the creep: A y'' + (kd + b + Fc/vs) y' + kp y = 0, over-damped.
   const double a = 1.28, d = 80 + 2 + 5 / 0.05, k = 3000, root = std::sqrt(d * d - 4 * a * k);
   const double l1 = (-d + root) / (2 * a), l2 = (-d - root) / (2 * a);
@@ -187,10 +187,10 @@ TEST_CASE("A pin that enters takes the motor along, and gives the link what the 
   r.s.position_m.z = 5.0;
   biped::set_mode(r.p, biped::kRight, biped::kHipClutch, Mode::engaging, r.laws, r.s);
   r.s.rotors_radps[0][0].set(biped::kRight, 0.3);
-  for (auto& l : r.laws[0]) l.friction_nm = l.damping_nmspr = dynamics::Lanes<double, 2>(0.0);
+  for (auto& l : r.laws[0]) l.friction_nm = l.damping_nmspr = dynamics::SimdBatch<double, 2>(0.0);
   auto& drive = r.p.drives[0][biped::kHipPitch];
   drive.kp_nmprad = drive.kd_nmsprad = drive.friction_nm = drive.damping_nmspr =
-      dynamics::Lanes<double, 2>(0.0);
+      dynamics::SimdBatch<double, 2>(0.0);
   auto pin = dynamics::biped_hip<double>();
   pin.pin_stroke_s = 1e-4;  // in before the motor has left the hole
   biped::Engaging<double> engaging(r.p, pin, biped::kRight, biped::kHipClutch, r.s);

@@ -20,7 +20,7 @@ TEST_CASE("Every effect has a law, parameters with ordered bounds, an explanatio
     CHECK_FALSE(e.explanation.empty());
     CHECK_FALSE(e.where_to_look.empty());
     CHECK_FALSE(e.best_experiment.empty());
-    CHECK(e.seats != furcula::dynamics::Seat{});
+    CHECK(e.location_types != furcula::dynamics::LocationType{});
     REQUIRE(e.parameter_count >= 1);
     for (const auto& p : e.parameters()) {
       CHECK(p.lower < p.upper);

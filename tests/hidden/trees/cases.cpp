@@ -45,7 +45,7 @@ void set_limits(Case& c) {
         high = std::max(high, log.state[row].q[j]);
         speed = std::max(speed, std::fabs(log.state[row].v[j]));
         torque = std::max(torque, std::fabs(log.torque_nm[row][j]));
-        if (!c.lab.position_law) torque = std::max(torque, std::fabs(log.input[row][j]));
+        if (!c.lab.position_control) torque = std::max(torque, std::fabs(log.input[row][j]));
       }
     if (c.robot.leg && joint.prismatic) torque = 100.0;  // the boom has no drive
     const double beside = joint.prismatic ? 0.1 : 0.6;

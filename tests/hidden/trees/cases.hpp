@@ -50,8 +50,10 @@ struct Case {
   /// the encoder if that is more, at the joint where that is most.
   std::vector<double> shows;
 
-  Machine truth() const { return {robot, drives, lab.position_law, planted}; }
-  Machine with(const std::vector<Cause>& causes) const { return {robot, drives, lab.position_law, causes}; }
+  Machine truth() const { return {robot, drives, lab.position_control, planted}; }
+  Machine with(const std::vector<Cause>& causes) const {
+    return {robot, drives, lab.position_control, causes};
+  }
   std::size_t visible() const { return robot.size(); }
 };
 

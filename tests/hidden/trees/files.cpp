@@ -33,11 +33,11 @@ std::string model_of_a_robot(const Case& c) {
   for (std::size_t j = 0; j < c.visible(); ++j)
     toml += (j > 0 ? ", \"" : "\"") + c.robot.joints[j].name + "\"";
   toml += "]\ngravity_mps2 = [0.0, 0.0, -9.81]\n\n[drive]\ncontrol_mode = \"";
-  toml += c.lab.position_law ? "position\"\n" : "torque\"\n";
+  toml += c.lab.position_control ? "position\"\n" : "torque\"\n";
   for (std::size_t j = 0; j < c.visible(); ++j) {
     const DriveData& d = c.model[j];
     toml += "\n[drive." + c.robot.joints[j].name + "]\n";
-    if (c.lab.position_law) toml += key("kp_nmprad", d.kp_nmprad) + key("kd_nmsprad", d.kd_nmsprad);
+    if (c.lab.position_control) toml += key("kp_nmprad", d.kp_nmprad) + key("kd_nmsprad", d.kd_nmsprad);
     toml += key("rotor_inertia_kgm2", d.rotor_kgm2) + key("damping_nmspr", d.damping_nmspr);
   }
   if (c.free_damping) toml += free_damping(c, 0);
@@ -91,7 +91,7 @@ std::vector<std::string> write_case(const Case& c, const std::string& folder) {
   json["tier"] = name(c.question.tier);
   json["seed"] = c.question.seed;
   json["form"] = c.robot.form;
-  json["law"] = c.lab.position_law ? "position" : "torque";
+  json["law"] = c.lab.position_control ? "position" : "torque";
   json["rate_hz"] = c.lab.rate_hz;
   json["jitter"] = c.lab.jitter;
   json["free_damping"] = c.free_damping;

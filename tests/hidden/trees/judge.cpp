@@ -94,14 +94,14 @@ bool same_physics(const std::vector<Cause>& planted, const std::vector<Cause>& f
   const auto at = [](const std::vector<Cause>& causes, const char* site) {
     return causes.front().at == std::vector<std::string>{site};
   };
-  const auto one_seat = [&](const std::set<std::string>& a, const char* at_a, const std::set<std::string>& b,
-                            const char* at_b) {
+  const auto one_location_type = [&](const std::set<std::string>& a, const char* at_a,
+                                     const std::set<std::string>& b, const char* at_b) {
     return (are(p, a) && at(p, at_a) && are(f, b) && at(f, at_b)) ||
            (are(p, b) && at(p, at_b) && are(f, a) && at(f, at_a));
   };
-  if (one_seat({"rotor_inertia_error"}, "boom_travel", {"mass_error"}, "boom") ||
-      one_seat({"rotor_inertia_error"}, "boom_travel", {"payload"}, "boom") ||
-      one_seat({"rotor_inertia_error"}, "hip", {"inertia_error"}, "thigh"))
+  if (one_location_type({"rotor_inertia_error"}, "boom_travel", {"mass_error"}, "boom") ||
+      one_location_type({"rotor_inertia_error"}, "boom_travel", {"payload"}, "boom") ||
+      one_location_type({"rotor_inertia_error"}, "hip", {"inertia_error"}, "thigh"))
     return true;
   if (p.front().at != f.front().at) return false;
   return either({"asymmetric_friction"}, {"coulomb_friction", "force_offset"}) ||

@@ -45,9 +45,9 @@ std::string linear_name(const std::string& rotary) {
   return found == kNames.end() ? rotary : found->second;
 }
 
-Machine::Machine(const Robot& robot, const std::vector<DriveData>& drives, bool position_law,
+Machine::Machine(const Robot& robot, const std::vector<DriveData>& drives, bool position_control,
                  const std::vector<Cause>& causes)
-    : robot_(robot), position_law_(position_law), dynamics_(robot, gravity_) {
+    : robot_(robot), position_law_(position_control), dynamics_(robot, gravity_) {
   for (std::size_t j = 0; j < robot.size(); ++j) {
     Act a;
     if (j < drives.size()) a.drive = drives[j];

@@ -107,13 +107,13 @@ std::string linear_name(const std::string& rotary);
 class Machine {
  public:
   /// Throws std::invalid_argument for an effect, seat or parameter that it does not know.
-  Machine(const Robot& robot, const std::vector<DriveData>& drives, bool position_law,
+  Machine(const Robot& robot, const std::vector<DriveData>& drives, bool position_control,
           const std::vector<Cause>& causes);
 
   std::size_t size() const { return robot_.size(); }
   const Robot& robot() const { return robot_; }
   const Act& act(std::size_t joint) const { return acts_[joint]; }
-  bool position_law() const { return position_law_; }
+  bool position_control() const { return position_law_; }
   const Dynamics& dynamics() const { return dynamics_; }
   const std::vector<Act>& acts() const { return acts_; }
 

@@ -102,7 +102,7 @@ bool Planter::at_joints(Cause& cause, const std::vector<std::size_t>& joints, do
   const std::string& e = cause.effect;
   const double torque = share * mean(joints, base_.rms_torque);
   const double v = mean(joints, base_.rms_v);
-  const bool position = c_.lab.position_law;
+  const bool position = c_.lab.position_control;
   const auto& leg = c_.robot.leg;
   const std::size_t beside = leg ? (j == leg->hip ? leg->knee : leg->hip) : (j + 1) % c_.robot.size();
   auto& p = cause.parameters;

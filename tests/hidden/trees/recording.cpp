@@ -220,7 +220,7 @@ Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, 
       read[j] =
           quantised(s.q[j] + machine.act(j).encoder_rad + lab.noise[j] * random.normal(), lab.resolution[j]);
     Values gravity{};
-    if (!lab.position_law && !leg) {
+    if (!lab.position_control && !leg) {
       Matrix unused;
       model.evaluate(read, Values{}, unused, gravity);
     }
@@ -231,7 +231,7 @@ Recording record(const Machine& machine, const Dynamics& model, const Lab& lab, 
     }
     for (std::size_t j = 0; j < visible && !leg; ++j) {
       const Path& p = experiment.paths[j];
-      if (lab.position_law)
+      if (lab.position_control)
         input[j] = quantised(p.at(t), 1e-6);
       else
         input[j] = quantised(std::clamp(lab.feed_forward[j] * gravity[j] + lab.kp[j] * (p.at(t) - read[j]) +
@@ -351,7 +351,7 @@ std::string log_of(const Machine& truth, const Lab& lab, const Recording& record
     column(j.prismatic ? "position" : "angle", j, "_rad", "_m");
     if (lab.velocity_column) column("velocity", j, "_radps", "_mps");
     if (truth.robot().leg && j.prismatic) continue;  // a boom has no drive
-    if (lab.position_law) {
+    if (lab.position_control) {
       column(j.prismatic ? "position_cmd" : "angle_cmd", j, "_rad", "_m");
     } else {
       if (lab.torque_column) column(j.prismatic ? "force" : "torque", j, "_nm", "_n");
@@ -376,7 +376,7 @@ std::string log_of(const Machine& truth, const Lab& lab, const Recording& record
         add(",%.8g", quantised(s.v[i] + 0.3 * scale * lab.velocity_resolution * random.normal(),
                                scale * lab.velocity_resolution));
       if (truth.robot().leg && joints[i].prismatic) continue;
-      if (lab.position_law) {
+      if (lab.position_control) {
         add(",%.8g", recording.input[row][i]);
       } else {
         if (lab.torque_column)

@@ -15,7 +15,7 @@ namespace furcula::hidden::trees {
 inline constexpr double kStep_s = 0.25e-3;  ///< of the integration
 
 struct Lab {
-  bool position_law = false;
+  bool position_control = false;
   Values kp{}, kd{};      ///< torque law: the computer's gains
   Values feed_forward{};  ///< share of the model's gravity torque that the computer adds
   Values effort{};        ///< the computer's limit of the torque

@@ -87,8 +87,8 @@ std::optional<Stage> draw_stage(const Question& question, Random& random) {
   Lab& lab = c.lab;
   // Where the drive closes its loop on the joint's angle, a gain is a gain of its law, and a spring swings.
   const bool torque_only = wants(question, {"joint_elasticity", "torque_gain_error", "torque_crosstalk"});
-  lab.position_law = wants(question, {"position_gain_error"}) || (!torque_only && random.chance(0.35));
-  if (lab.position_law && torque_only) return std::nullopt;
+  lab.position_control = wants(question, {"position_gain_error"}) || (!torque_only && random.chance(0.35));
+  if (lab.position_control && torque_only) return std::nullopt;
 
   // Drives, from what each joint has to move.
   Values centre{};
@@ -110,15 +110,15 @@ std::optional<Stage> draw_stage(const Question& question, Random& random) {
   c.with({}).dynamics().evaluate(centre, Values{}, unused, gravity);
   for (std::size_t j = 0; j < n; ++j) {
     const double inertia = std::sqrt(apparent[j] * diagonal[j]);
-    const double w = 2 * kPi * (lab.position_law ? random.uniform(3.0, 6.0) : random.uniform(1.2, 2.5));
+    const double w = 2 * kPi * (lab.position_control ? random.uniform(3.0, 6.0) : random.uniform(1.2, 2.5));
     const double zeta = random.uniform(0.5, 0.9);
-    const double kp = std::max(inertia * w * w, lab.position_law ? std::fabs(gravity[j]) / 0.25 : 0.0);
+    const double kp = std::max(inertia * w * w, lab.position_control ? std::fabs(gravity[j]) / 0.25 : 0.0);
     const double kd = 2 * zeta * std::sqrt(kp * inertia);
     const auto rounded = [](double x) {
       const double step = std::pow(10.0, std::floor(std::log10(x)) - 1);
       return step * std::round(x / step);
     };
-    if (lab.position_law) {
+    if (lab.position_control) {
       c.drives[j].kp_nmprad = rounded(kp);
       c.drives[j].kd_nmsprad = rounded(kd);
     } else {

@@ -31,7 +31,7 @@ void add_bar(Robot& robot, double mass_kg, double length_m, double inertia_kgm2)
 
 // About a vertical axis, so that gravity has no moment: one number of inertia.
 Machine rotor(double inertia_kgm2, DriveData drive, const std::vector<Cause>& causes,
-              bool position_law = false) {
+              bool position_control = false) {
   Robot robot;
   Joint j;
   j.name = "j1";
@@ -40,7 +40,7 @@ Machine rotor(double inertia_kgm2, DriveData drive, const std::vector<Cause>& ca
   b.name = "link1";
   b.moments = {inertia_kgm2, inertia_kgm2, inertia_kgm2};
   robot.bodies.push_back(b);
-  return {robot, {drive}, position_law, causes};
+  return {robot, {drive}, position_control, causes};
 }
 
 State run(const Machine& m, State s, double duration_s, const Values& input) {

@@ -8,7 +8,7 @@
 #include "host/core/message.hpp"
 #include "host/log/reader.hpp"
 #include "host/model/writer.hpp"
-#include "host/sim/mystery.hpp"
+#include "host/sim/hidden_case.hpp"
 #include "tests/host/bus/hopper_bus.hpp"
 #include "tests/host/bus/polled_drive.hpp"
 #include "tests/host/cli/run_program.hpp"
@@ -49,11 +49,12 @@ struct Made {
   std::vector<std::string> notes;
 };
 
-Made made_of(const std::vector<LogFrame>& frames, const MessageFinder& finder, const Arrangement& wanted) {
+Made made_of(const std::vector<LogFrame>& frames, const MessageFinder& finder,
+             const ChannelPermutation& wanted) {
   Made made;
   Survey survey(finder, wanted);
   for (const LogFrame& f : frames) survey.add(f);
-  const Arrangement found = survey.finish(made.notes);
+  const ChannelPermutation found = survey.finish(made.notes);
   RowMaker rows(finder, found, [&](std::size_t run, const std::vector<double>& row) {
     made.runs.resize(run);
     log::Log& log = made.runs.back();
@@ -500,7 +501,7 @@ TEST_CASE("furcula bus log writes logs that check reads, and ends with the contr
 TEST_CASE("a hopper's hidden cause is named through recordings of its bus as through its own logs") {
   const test::TemporaryFolder folder;
   // Seed 4 draws a spring of another rate.
-  const sim::Mystery hopper = sim::draw_mystery(4);
+  const sim::HiddenCase hopper = sim::draw_hidden_case(4);
   REQUIRE(hopper.cause == dynamics::Effect::stiffness_error);
   std::vector<std::string> command{"diagnose", "--model",
                                    folder.file("model.toml", model::format_model(hopper.model)), "--out",

@@ -15,7 +15,7 @@ TEST_CASE("a line is found with its error, and what lies off it is left out") {
   CHECK(line->offset == Approx(0.5 + 2e6));
   CHECK(line->offset_at(-2.0) == Approx(line->offset));
   CHECK(line->pairs == 80);
-  CHECK(line->left_out == 20);
+  CHECK(line->excluded == 20);
   // Errors of one step each way have a variance of slope^2 / 12 at least; the spread of x is that of a row of numbers.
   CHECK(line->slope_error == Approx(2.0 / std::sqrt(12.0) / std::sqrt(80 * 833.0)).epsilon(0.05));
 }

@@ -147,7 +147,7 @@ TEST_CASE(
   training.push_back(disturbed_flight(truth, true, 15));
   const auto d = diagnose::diagnose(test::carriage_model(), training, held_out);
   INFO(text(d));
-  CHECK(d.dirt.left_out.empty());
+  CHECK(d.data_quality.excluded.empty());
   CHECK(d.verdict == Verdict::explained);
   const auto size = coulomb(d);
   CHECK(size.lower < 1.6);
@@ -163,8 +163,8 @@ TEST_CASE("One fall of another carriage among falls and a throw is still left ou
   training.push_back(disturbed_flight(other, false, 15));
   const auto d = diagnose::diagnose(test::carriage_model(), training, disturbed_flights(truth, true, 50, 2));
   INFO(text(d));
-  REQUIRE(d.dirt.left_out.size() == 1);
-  CHECK(d.dirt.left_out[0].log == "flight-15.csv");
+  REQUIRE(d.data_quality.excluded.size() == 1);
+  CHECK(d.data_quality.excluded[0].log == "flight-15.csv");
   CHECK(coulomb(d).value == Approx(1.6).epsilon(0.05));
 }
 

@@ -204,11 +204,11 @@ TEST_CASE("A slip that nothing predicts is in no held-out figure, and is told as
     }
     CHECK(d.verdict == Verdict::explained);
   }
-  CHECK(clean.windows_left_out == 0);
+  CHECK(clean.windows_excluded == 0);
   for (const auto& f : slipped.findings)
     if (f.effect == dynamics::Effect::encoder_slip) CHECK(f.observed_events.size() == 2);
   // Of six seconds each, what holds or follows the slip at 3.2 s and at 4.7 s: from 3.0 s and from 4.5 s on.
-  CHECK(slipped.windows_left_out == 9);
+  CHECK(slipped.windows_excluded == 9);
   CHECK(clean.extended_model.parameters == slipped.extended_model.parameters);
   // Without it the error is that of the recordings without a slip.
   CHECK(slipped.extended.at("position").rmse < 2.0 * clean.extended.at("position").rmse);
@@ -219,7 +219,7 @@ TEST_CASE("A slip that comes at the same time in each recording is predictable",
                                     with_slip(coastings(20.0, 0.0, 1, 3), {2200, 2200, 2200}),
                                     with_slip(coastings(20.0, 0.0, 50, 2), {2200, 2200}));
   INFO(text(d));
-  CHECK(d.windows_left_out == 0);
+  CHECK(d.windows_excluded == 0);
   CHECK(d.refitted.at("position").rmse > 1e-3);
   CHECK(d.extended.at("position").rmse < 5e-4);
   // One that does not come is missed by its whole step.

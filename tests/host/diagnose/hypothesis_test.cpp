@@ -39,10 +39,10 @@ struct Line {
   std::vector<double> x, y;
   std::vector<identify::Window> windows;
 
-  std::array<double, 2> without(const std::vector<bool>& left_out) const {
+  std::array<double, 2> without(const std::vector<bool>& excluded) const {
     double n = 0.0, sx = 0.0, sxx = 0.0, sy = 0.0, sxy = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      if (left_out[i]) continue;
+      if (excluded[i]) continue;
       n += 1.0, sx += x[i], sxx += x[i] * x[i], sy += y[i], sxy += x[i] * y[i];
     }
     const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);

@@ -45,7 +45,7 @@ TEST_CASE(
     const auto d = diagnosed(m, truth);
     INFO(result::to_json_text(diagnose::result_of(d)));
     CHECK(d.findings.empty());
-    CHECK(d.left_out.empty());
+    CHECK(d.excluded.empty());
     // Not yet `adequate`: a flexible law predicts a few percent of what is left, less than the sensor's noise.
     CHECK(d.extended.at("height").nmse < 1.3 * d.noise_floor.at("height").nmse);
   }

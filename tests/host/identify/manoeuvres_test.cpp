@@ -133,7 +133,7 @@ TEST_CASE("The manoeuvre is predicted with and without the clutch in the model")
   for (const model::Model& m : {truth, without_clutch(truth)}) {
     const auto all = followed(logs, m);
     for (const Recording& r : all) CHECK_FALSE(r.leg_length.empty());
-    CHECK(identify::left_out(all, m, 0.5).empty());
+    CHECK(identify::excluded(all, m, 0.5).empty());
     const auto windows = identify::prediction_windows(all, m, 0.5);
     CHECK(windows.size() >= 8);
     const auto starts = identify::start_states(all, windows, m);
@@ -149,7 +149,7 @@ TEST_CASE("Mass and damping are identified from the manoeuvre") {
   const auto logs = test::manoeuvres(truth, 4, 1);
   for (const model::Model& m : {test::manoeuvring_model(), without_clutch(test::manoeuvring_model())}) {
     const auto found = identify::identify(m, logs, {});
-    CHECK(found.left_out.empty());
+    CHECK(found.excluded.empty());
     for (const auto& p : found.estimations.front().parameters) {
       if (p.name == "mass_kg") CHECK(p.value == Approx(1.554).epsilon(0.01));
       if (p.name == "damping_stance_nspm") CHECK(p.value == Approx(6.42).epsilon(0.03));
@@ -162,7 +162,7 @@ TEST_CASE("Without a clutch in the model the strides with a spring let go in sta
   const auto logs = without_cable(test::clutched_hops(truth, 6, 5));
   const auto all = followed(logs, m);
   const auto with = followed(logs, truth);
-  const auto left = identify::left_out(all, m, 0.5);
+  const auto left = identify::excluded(all, m, 0.5);
   REQUIRE(left.size() == 1);
   const auto all_windows = identify::prediction_windows(with, truth, 0.5);
   const auto windows = identify::prediction_windows(all, m, 0.5);
@@ -177,9 +177,9 @@ TEST_CASE("Without a clutch in the model the strides with a spring let go in sta
   // What is left is predicted as well as ever.
   const auto starts = identify::start_states(all, windows, m);
   CHECK(identify::prediction_errors(m, all, windows, starts).at("height").rmse < 1e-3);
-  CHECK(identify::left_out(with, truth, 0.5).empty());
+  CHECK(identify::excluded(with, truth, 0.5).empty());
   // A cable that is seen decides: where it stayed within 2 mm, the spring was as good as held.
-  const auto seen = identify::left_out(followed(test::clutched_hops(truth, 6, 5), m), m, 0.5);
+  const auto seen = identify::excluded(followed(test::clutched_hops(truth, 6, 5), m), m, 0.5);
   REQUIRE(seen.size() == 1);
   CHECK(seen[0].windows <= left[0].windows);
 }
@@ -190,8 +190,8 @@ TEST_CASE("Recordings are refused only where nothing is left, and with the reaso
   for (double& on : logs[0].columns.at("solenoid")) on = 1.0;
   const auto all = followed(logs, m);
   CHECK(identify::prediction_windows(all, m, 0.5).empty());
-  REQUIRE(identify::left_out(all, m, 0.5).size() == 1);
-  CHECK(identify::left_out(all, m, 0.5).front().share == 1.0);
+  REQUIRE(identify::excluded(all, m, 0.5).size() == 1);
+  CHECK(identify::excluded(all, m, 0.5).front().share == 1.0);
   CHECK_THAT(identify::nothing_left(all, m, 0.5),
              Catch::Contains("100 %") && Catch::Contains("has no clutch"));
 }
@@ -201,7 +201,7 @@ TEST_CASE("A leg that is driven in flight unseen is left out where the spring is
   auto logs = test::manoeuvres(m, 1, 1);
   logs[0].columns.erase("leg_angle_rad");
   const auto all = followed(logs, m);
-  const auto left = identify::left_out(all, m, 0.5);
+  const auto left = identify::excluded(all, m, 0.5);
   REQUIRE(left.size() == 1);
   CHECK_THAT(left[0].why, Catch::Contains("leg_angle_rad"));
 }

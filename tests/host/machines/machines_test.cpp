@@ -30,7 +30,7 @@ TEST_CASE("The list's order is that of the kinds, and no two machines have one n
 
 TEST_CASE("The columns that a machine's recordings are made of are those of its rig") {
   for (const dynamics::MachineInfo& machine : dynamics::kMachines) {
-    const log::RigInfo* rig = log::rig_named(machine.rig);
+    const log::MachineType* rig = log::rig_named(machine.rig);
     CAPTURE(std::string(machine.name));
     REQUIRE(rig != nullptr);
     const machines::Columns& c = machines::rules(machine.kind).columns;
@@ -51,10 +51,10 @@ TEST_CASE("Every machine has a seat for an effect, and something that it can be 
     m.kind = machine.kind;
     for (const dynamics::ParameterInfo& p : machine.parameters)
       m.parameters.push_back(std::max(p.lower, std::min(p.upper, 0.3)));
-    machines::Shelf shelf(machines::rules(machine.kind).usual_run(m));
+    machines::ExperimentLibrary experiment_library(machines::rules(machine.kind).usual_run(m));
     machines::rules(machine.kind)
-        .experiments(shelf, m, {.input = 1.0, .lowest = -0.5, .highest = 0.5, .speed = 2.0});
-    CHECK(shelf.take().size() >= 3);
+        .experiments(experiment_library, m, {.input = 1.0, .lowest = -0.5, .highest = 0.5, .speed = 2.0});
+    CHECK(experiment_library.take().size() >= 3);
   }
 }
 

@@ -52,7 +52,7 @@ TEST_CASE("any model of any kind with all its effects reads back to the bit") {
         if (draw % 2 == 0) m.free[m.parameters.size()] = {p.lower, p.upper};
         m.parameters.push_back(value);
       }
-      if (dynamics::has(kind.kind, dynamics::Seat::leg))
+      if (dynamics::has(kind.kind, dynamics::LocationType::leg))
         m.clutch = model::Clutch{between(0.0, 1.0), between(0.0, 1.0), between(0.0, 1e4), between(1e-3, 0.1)};
       for (const auto& e : dynamics::kCatalogue)
         if (dynamics::applies(e.effect, kind.kind))

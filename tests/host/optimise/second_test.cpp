@@ -63,7 +63,7 @@ TEST_CASE("an element's derivatives are those of its function of sums of variabl
 TEST_CASE("a programme's optimum is the one that can be worked out by hand, and what cannot be met is said") {
   // Least x^2 + y^2 with x + y = 2 and x >= 1.5: (1.5, 0.5).
   const auto build = [](double least) {
-    Programme p;
+    Nlp p;
     const int x = p.variable(least, 10.0, 3.0), y = p.variable(-10.0, 10.0, 0.0);
     p.linear(p.row("the sum", 2.0, 2.0), {{x, 1.0}, {y, 1.0}});
     p.element(std::array<Sum, 2>{Sum{{x, 1.0}}, Sum{{y, 1.0}}}, std::array<int, 1>{0}, [](const auto& z) {
@@ -72,14 +72,14 @@ TEST_CASE("a programme's optimum is the one that can be worked out by hand, and 
     });
     return p;
   };
-  Programme p = build(1.5);
+  Nlp p = build(1.5);
   const Solution s = solve(p, {});
   REQUIRE(s.found);
   CHECK(s.x[0] == Approx(1.5).margin(1e-5));
   CHECK(s.x[1] == Approx(0.5).margin(1e-5));
   CHECK(s.cost == Approx(2.5).margin(1e-5));
 
-  Programme none = build(1.5);
+  Nlp none = build(1.5);
   none.linear(none.row("the difference", 50.0, 60.0), {{0, 1.0}, {1, -1.0}});
   const Solution refused = solve(none, {});
   CHECK_FALSE(refused.found);

@@ -47,12 +47,12 @@ diagnose::Diagnosis full_diagnosis() {
        "explains the training recordings equally well",
        {{"force_offset.force_n", {1.0, 0.9, 1.1}}, {"coulomb_friction.force_n", {0.4, 0.3, 0.5}}}});
   d.experiments.push_back({"a drop from 0.4 m", {}, 12.0, 0.002, 3});
-  d.left_out.push_back({"the spring is let go", 3, 0.1, 1.2, {"a.csv"}});
-  d.dirt.refused.push_back(
+  d.excluded.push_back({"the spring is let go", 3, 0.1, 1.2, {"a.csv"}});
+  d.data_quality.refused.push_back(
       {"a.csv", 417, 424, "height_m", 9.99, "", "steps out of the rows around and back"});
-  d.dirt.refused.push_back({"a.csv", 9, 0, "", std::nan(""), "torn", "cannot be read"});
-  d.dirt.left_out.push_back({"b.csv", "disagrees with the other 7"});
-  d.dirt.notes.push_back("a.csv: angle_rad wraps.");
+  d.data_quality.refused.push_back({"a.csv", 9, 0, "", std::nan(""), "torn", "cannot be read"});
+  d.data_quality.excluded.push_back({"b.csv", "disagrees with the other 7"});
+  d.data_quality.notes.push_back("a.csv: angle_rad wraps.");
   return d;
 }
 

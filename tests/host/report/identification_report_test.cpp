@@ -77,8 +77,9 @@ TEST_CASE("with every parameter identified the page says so") {
 
 TEST_CASE("the JSON of an identification is as its schema says") {
   identify::Identification id = sample();
-  id.left_out.push_back({"the spring is let go", 3, 0.1, 1.2, {"a.csv"}});
-  id.dirt.refused.push_back({"a.csv", 417, 424, "position_m", 9.99, "", "steps out of the rows around"});
+  id.excluded.push_back({"the spring is let go", 3, 0.1, 1.2, {"a.csv"}});
+  id.data_quality.refused.push_back(
+      {"a.csv", 417, 424, "position_m", 9.99, "", "steps out of the rows around"});
   id.estimations[0].parameters.push_back({"gain", "", 1.0, 2.0, 1.5, 2.5, {}, "at_bound", "upper"});
   id.estimations.push_back(id.estimations[0]);
   const std::string text = report::to_json_text(id);

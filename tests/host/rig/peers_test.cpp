@@ -49,7 +49,7 @@ TEST_CASE("a board's link hears drive, encoders and host of the rig") {
     if (const auto reply = drive.receive(frame, 0.5f, 0.0f)) link.receive(*reply, 1000);
   link.receive(height.sample(4294967295u, 0, true), 1000);
   link.receive(cable.sample(7, 0, true), 1000);
-  link.receive(host.command(rig::Host::Wish::hop, 2.5f, 0.25f, true), 1000);
+  link.receive(host.command(rig::Host::Request::hop, 2.5f, 0.25f, true), 1000);
   const auto sample = link.sample(1000);
   REQUIRE(sample.ok());
   CHECK(sample.value().height_count == 4294967295u);

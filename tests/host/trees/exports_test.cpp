@@ -238,7 +238,7 @@ TEST_CASE("The URDF with causes at random reads back as the tree that runs with 
       const auto joint = [&] {
         return static_cast<std::size_t>(within(0.0, static_cast<double>(d.model.joints()) - 1e-9));
       };
-      const std::vector<std::size_t> links = trees::sites(d.model, trees::Seat::link);
+      const std::vector<std::size_t> links = trees::sites(d.model, trees::LocationType::link);
       const auto body = [&] {
         return links[static_cast<std::size_t>(within(0.0, static_cast<double>(links.size()) - 1e-9))];
       };
@@ -321,7 +321,7 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
         peer.data().ctrl[mj_name2id(&peer.model(), mjOBJ_ACTUATOR, d.model.robot.joints[i].name.c_str())] =
             input;
         // The law of a position drive is a spring to the set point in the tree that runs.
-        if (setup.joints[i].law == trees::DriveLaw::position)
+        if (setup.joints[i].law == trees::ControlMode::position)
           tree.laws[i].rest_rad = input;
         else
           tau[i] = input;

@@ -64,7 +64,7 @@ TEST_CASE("A foot and springs are read from the model file, written, and read ba
   CHECK(m.springs[3].switched);
   CHECK_FALSE(m.driven(0));
   CHECK(m.driven(2));
-  CHECK(trees::sites(m, trees::Seat::spring) == std::vector<std::size_t>{3});
+  CHECK(trees::sites(m, trees::LocationType::spring) == std::vector<std::size_t>{3});
   const std::string text = trees::format_tree_model(m, "leg.urdf");
   CHECK(trees::format_tree_model(trees::parse_tree_model(text, "x.toml", m.urdf_text), "leg.urdf") == text);
 

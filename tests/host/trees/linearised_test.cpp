@@ -72,7 +72,7 @@ TEST_CASE("A window made linear changes with each cause as its runs do") {
       trees::Window w = trees::windows_of(model, all, 0.4)[1];
       w.angle_rad = {0.2, -0.3, 0.4};
       w.velocity_radps = {1.0, 2.0, -3.0};
-      const bool position = model.drives[0].law == trees::DriveLaw::position;
+      const bool position = model.drives[0].law == trees::ControlMode::position;
       std::vector<Cause> tried{{Effect::damping_error, {0}, {0.11, 0, 0, 0}},
                                {Effect::force_offset, {2}, {0.01, 0, 0, 0}},
                                {Effect::quadratic_drag, {1}, {0.001, 0, 0, 0}},
@@ -84,7 +84,7 @@ TEST_CASE("A window made linear changes with each cause as its runs do") {
                                {Effect::actuator_lag, {0}, {0.002, 0, 0, 0}},
                                {Effect::time_skew, {0}, {0.002, 0, 0, 0}},
                                {Effect::time_skew, {0}, {-0.002, 0, 0, 0}}};
-      for (const std::size_t link : trees::sites(model, trees::Seat::link)) {
+      for (const std::size_t link : trees::sites(model, trees::LocationType::link)) {
         const double mass = model.urdf.links[link].inertia->mass_kg;
         tried.push_back({Effect::mass_error, {link}, {1.01 * mass, 0, 0, 0}});
         tried.push_back({Effect::com_error, {link}, {0.001, 0.002, 0.001, 0}});

@@ -21,7 +21,7 @@
 #include "tests/skip.hpp"
 
 using namespace furcula;
-using trees::DriveLaw;
+using trees::ControlMode;
 using trees::Effect;
 
 namespace {
@@ -46,21 +46,21 @@ TEST_CASE(
   };
   CHECK(m.gravity_mps2.z == -3.71);
   CHECK(m.robot.model.gravity_mps2.z == -3.71);
-  CHECK(drive(m, "lift").law == DriveLaw::torque);
+  CHECK(drive(m, "lift").law == ControlMode::torque);
   CHECK(drive(m, "lift").damping_nmspr == 30.0);
-  CHECK(drive(m, "left_hip").law == DriveLaw::position);
+  CHECK(drive(m, "left_hip").law == ControlMode::position);
   CHECK(drive(m, "left_hip").kp_nmprad == 30.0);
   CHECK(drive(m, "left_hip").rotor_inertia_kgm2 == 0.01);
-  CHECK(drive(m, "right_knee").law == DriveLaw::none);
+  CHECK(drive(m, "right_knee").law == ControlMode::none);
   const trees::TreeModel said =
       read("branched",
            "gravity_mps2 = [0.0, 0.0, -1.0]\n[drive.left_hip]\ncontrol_mode = \"torque\"\n"
            "rotor_inertia_kgm2 = 0.5\n[drive.right_knee]\ncontrol_mode = \"torque\"\n");
   CHECK(said.gravity_mps2.z == -1.0);
-  CHECK(drive(said, "left_hip").law == DriveLaw::torque);
+  CHECK(drive(said, "left_hip").law == ControlMode::torque);
   CHECK(drive(said, "left_hip").kp_nmprad == 0.0);
   CHECK(drive(said, "left_hip").rotor_inertia_kgm2 == 0.5);
-  CHECK(drive(said, "right_knee").law == DriveLaw::torque);
+  CHECK(drive(said, "right_knee").law == ControlMode::torque);
   const trees::TreeModel leg = read("leg");
   CHECK(leg.springs[0].stiffness_nmprad == 6.0);
   CHECK(leg.springs[0].rest_rad == 0.2);

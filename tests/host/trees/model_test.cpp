@@ -7,9 +7,9 @@
 
 using namespace furcula;
 using Catch::Contains;
-using trees::DriveLaw;
+using trees::ControlMode;
 using trees::Effect;
-using trees::Seat;
+using trees::LocationType;
 
 namespace {
 
@@ -48,7 +48,7 @@ pitch_rad = -0.03
 
 /// A name that is a link of the branched robot and moves with the left arm.
 std::string moving_link(const trees::TreeModel& m) {
-  const auto links = trees::sites(m, Seat::link);
+  const auto links = trees::sites(m, LocationType::link);
   return m.robot.links[links.back()].name;
 }
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -72,9 +72,9 @@ TEST_CASE("A tree's model file says joints, gravity, drives, free parameters and
                     reach = test::joint(m, "left_reach");
   CHECK(m.gravity_mps2.y == 1.5);
   CHECK(m.robot.model.gravity_mps2.z == -9.7);
-  CHECK(m.drives[shoulder].law == DriveLaw::torque);
+  CHECK(m.drives[shoulder].law == ControlMode::torque);
   CHECK(m.drives[shoulder].damping_nmspr == 0.2);
-  CHECK(m.drives[elbow].law == DriveLaw::position);
+  CHECK(m.drives[elbow].law == ControlMode::position);
   CHECK(m.drives[elbow].kp_nmprad == 30.0);
   CHECK(m.drives[elbow].kd_nmsprad == 1.25);
   CHECK(m.drives[elbow].rotor_inertia_kgm2 == 0.01);
@@ -97,7 +97,7 @@ TEST_CASE("A tree's model file says joints, gravity, drives, free parameters and
 TEST_CASE("Keys of an earlier version are read, and written by their present names") {
   const trees::TreeModel m =
       test::pendulum("[drive]\nlaw = \"torque\"\n[drive.hinge]\nlaw = \"position\"\nkp_nmprad = 3.0\n");
-  CHECK(m.drives[0].law == DriveLaw::position);
+  CHECK(m.drives[0].law == ControlMode::position);
   CHECK_THAT(trees::format_tree_model(m, "pendulum.urdf"),
              Contains("control_mode = \"position\"") && !Contains("law ="));
   const trees::TreeModel held =
@@ -124,7 +124,7 @@ TEST_CASE("A tree's model file is written so that it reads back the same") {
   REQUIRE(back.free.size() == m.free.size());
   for (std::size_t j = 0; j < m.joints(); ++j)
     for (const auto member : trees::kDriveMembers) CHECK(back.drives[j].*member == m.drives[j].*member);
-  CHECK(back.drives[test::joint(m, "left_elbow")].law == DriveLaw::position);
+  CHECK(back.drives[test::joint(m, "left_elbow")].law == ControlMode::position);
 }
 
 TEST_CASE("A cause at several sites is written as one a site") {
@@ -269,8 +269,8 @@ TEST_CASE("Each effect of the catalogue reads back from a model file") {
     INFO(e.name);
     CHECK(trees::effect_named(e.name) == e.effect);
     trees::TreeModel m = plain;
-    REQUIRE_FALSE(trees::sites(m, e.seat).empty());
-    trees::Cause c{e.effect, {trees::sites(m, e.seat).front()}, {}};
+    REQUIRE_FALSE(trees::sites(m, e.location_type).empty());
+    trees::Cause c{e.effect, {trees::sites(m, e.location_type).front()}, {}};
     for (std::size_t k = 0; k < e.parameter_count; ++k)
       c.values[k] = e.parameters()[k].lower +
                     0.375 * (std::min(e.parameters()[k].upper, 10.0) - e.parameters()[k].lower);

@@ -277,8 +277,8 @@ TEST_CASE("A cause at its neutral value changes nothing") {
     const std::vector<double> plain = readings(m, r, {}, {0.3, -0.4}, {0.5, 0.2});
     std::size_t tried = 0;
     for (const trees::EffectInfo& e : trees::catalogue()) {
-      if (e.effect == Effect::position_gain_error && m.drives[0].law == trees::DriveLaw::torque) continue;
-      for (const std::size_t site : trees::sites(m, e.seat)) {
+      if (e.effect == Effect::position_gain_error && m.drives[0].law == trees::ControlMode::torque) continue;
+      for (const std::size_t site : trees::sites(m, e.location_type)) {
         Cause c{e.effect, {site}, {}};
         for (std::size_t k = 0; k < e.parameter_count; ++k) {
           c.values[k] = trees::neutral_value(m, e.effect, k, site);

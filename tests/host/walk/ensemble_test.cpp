@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "furcula/dynamics/biped/kinematics.hpp"
+#include "host/walk/batched_rollout.hpp"
 #include "host/walk/search.hpp"
-#include "host/walk/walkers.hpp"
 #include "tests/host/walk/walks.hpp"
 
 using namespace furcula;
@@ -36,9 +36,9 @@ Rollout watched(const Member& member, double time_s, const Parameters& walk, con
   const auto known = dynamics::biped::design();
   RolloutOptions o;
   o.time_s = time_s;
-  Walkers<double> walkers(std::span(&member, 1), known, o);
-  walkers.watch = watch;
-  return walkers.run_one(walk);
+  BatchedRollout<double> rollouts(std::span(&member, 1), known, o);
+  rollouts.watch = watch;
+  return rollouts.run_one(walk);
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ TEST_CASE("a member's numbers are its own: what a lane does is what its robot do
   const auto lanes = run_jobs(robot, members, options, jobs, 1);
   for (std::size_t k = 0; k < members.size(); ++k) {
     const Rollout alone =
-        Walkers<double>(std::span(&members[k], 1), robot, options).run_one(test::standing_walk());
+        BatchedRollout<double>(std::span(&members[k], 1), robot, options).run_one(test::standing_walk());
     CAPTURE(k);
     REQUIRE(alone.ending == Ending::stands);
     CHECK(lanes[k].distance_m == Approx(alone.distance_m).margin(2e-4));

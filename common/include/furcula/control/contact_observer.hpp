@@ -111,7 +111,7 @@ inline constexpr float kSwitchFollows_s = 0.025f;
 inline constexpr float kLongestQuarrel_s = 0.1f;
 
 /// Comparison of the contact observer with the contact switch.
-struct WitnessState {
+struct RedundantSensorState {
   bool contact = false;             ///< the observer's, of this tick
   std::uint32_t ticks = 0;          ///< since the observer's last change
   std::uint32_t quarrel_ticks = 0,  ///< ticks in succession with a switch unlike the settled observer
@@ -119,7 +119,7 @@ struct WitnessState {
 };
 
 /// One tick of a robot that runs, whose switch is not known to be lost. `closed` is the debounced switch.
-inline void compare_witnesses(WitnessState& state, bool closed, float dt_s) {
+inline void compare_redundant_sensors(RedundantSensorState& state, bool closed, float dt_s) {
   const auto settled = static_cast<std::uint32_t>(kSwitchFollows_s / dt_s);
   const bool agree = closed == state.contact;
   if (state.ticks == settled && agree && state.agreements < kAgreementsLeast) ++state.agreements;
@@ -128,7 +128,7 @@ inline void compare_witnesses(WitnessState& state, bool closed, float dt_s) {
 }
 
 /// One tick, before the others: how long the observer has said what it says.
-inline void note_observer(WitnessState& state, bool contact) {
+inline void note_observer(RedundantSensorState& state, bool contact) {
   if (contact != state.contact)
     state.ticks = 0;
   else if (state.ticks != 0xffffffffu)

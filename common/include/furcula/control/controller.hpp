@@ -39,8 +39,9 @@ struct State {
       leg_path_m = 0.0f;          ///< target of `leg_fold_m`; 0 unless the motor moved the leg in flight
   BenchState bench;               ///< of run_trial()
   ContactObserverState observer;  ///< of observe_contact()
-  WitnessState witness;           ///< of compare_witnesses(): whether the observer can be trusted
-  Sample last_sample;             ///< the last valid one, with the age that it has by now
+  RedundantSensorState
+      redundant_sensor;              ///< of compare_redundant_sensors(): whether the observer can be trusted
+  Sample last_sample;                ///< the last valid one, with the age that it has by now
   std::uint32_t missed_samples = 1;  ///< running; nothing was ever measured
 };
 
@@ -167,13 +168,13 @@ inline Outputs step_robot(const Config& config, State& state, const Inputs& inpu
         observe_contact(config.observer, state.observer, leg, dt_s * static_cast<float>(seen.step_ticks));
   else
     out.contact.contact = state.observer.contact;
-  note_observer(state.witness, out.contact.contact);
+  note_observer(state.redundant_sensor, out.contact.contact);
   // Without its switch the robot lands by the observer.
   const bool lands = state.supervisor.landing;
   const bool reading = lands ? out.contact.contact : sample.contact != 0;
   const bool closed = debounce(config.debounce, state.debounce, reading, dt_s) || (lands && reading);
   if (inputs.run && !lands && state.supervisor.fault == Fault::none)
-    compare_witnesses(state.witness, closed, dt_s);
+    compare_redundant_sensors(state.redundant_sensor, closed, dt_s);
   out.phase = estimate_phase(config.phase, state.phase, closed, out.height, leg_m, dt_s);
   if (inputs.reset && state.supervisor.fault != Fault::none)
     restart_clutch(state.clutch, config.clutch, cable_count);
@@ -184,9 +185,9 @@ inline Outputs step_robot(const Config& config, State& state, const Inputs& inpu
   seen.leg_angle_ceiling_rad = config.envelope.leg_angle_max_rad - config.envelope.late_angle_rad;
   seen.leg_height_m = leg_m;
   seen.contact_reading = reading;
-  seen.observed_contact = state.witness.contact;
-  seen.observed_ticks = state.witness.ticks;
-  seen.observer_trusted = state.witness.agreements >= kAgreementsLeast;
+  seen.observed_contact = state.redundant_sensor.contact;
+  seen.observed_ticks = state.redundant_sensor.ticks;
+  seen.observer_trusted = state.redundant_sensor.agreements >= kAgreementsLeast;
   seen.runs = inputs.run;
   seen.velocity_mps = out.height.velocity_mps;
   seen.missed_catches = state.clutch.missed_running;

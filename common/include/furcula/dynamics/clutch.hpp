@@ -122,7 +122,7 @@ class Clutch {
   /// What can end a mode.
   enum class Change : std::uint8_t {
     key_lifts,  ///< off its seat
-    key_seats,
+    key_location_types,
     key_leaves_stop,
     key_meets_stop,
     key_meets_tips,
@@ -260,7 +260,7 @@ class Clutch {
         f(Change::key_turns);
         f(Change::key_meets_stop);
         if (in_teeth_) {
-          f(Change::key_seats);
+          f(Change::key_location_types);
           f(Change::key_clears);
         } else {
           f(Change::key_meets_tips);
@@ -292,7 +292,7 @@ class Clutch {
         return rubbing(s, drive) - key_force(s);
       case Change::key_leaves_stop:
         return key_force(s);
-      case Change::key_seats:
+      case Change::key_location_types:
         return s.key;
       case Change::key_meets_stop:
         return p_.solenoid.stroke_m - s.key;
@@ -358,7 +358,7 @@ class Clutch {
           key_ = Key::jammed;
         break;
       }
-      case Change::key_seats:
+      case Change::key_location_types:
         key_ = Key::seated;
         s.key = s.key_speed = zero;
         break;

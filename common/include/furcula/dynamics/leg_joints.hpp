@@ -56,7 +56,7 @@ class LegJoints {
     Pose<T> o;
     if constexpr (std::is_same_v<T, double>) {
       // Both in one SIMD batch: the same bits, half the time.
-      using Pair = Lanes<double, 2>;
+      using Pair = SimdBatch<double, 2>;
       Pair both(angle.hip);
       both.set(1, angle.knee);
       const SineCosine<Pair> of = sine_cosine(both);

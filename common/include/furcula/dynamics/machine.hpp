@@ -30,7 +30,7 @@ struct ParameterInfo {
 
 /// Type of a location where an effect can act; values can be combined with |. An effect of the catalogue names its location
 /// types, and exists on every machine that has one of them.
-enum class Seat : std::uint16_t {
+enum class LocationType : std::uint16_t {
   axis = 1,           ///< a guide or bearing that a body moves in
   rail = 2,           ///< a vertical one, with an encoder of the height
   drive = 4,          ///< follows commands
@@ -42,18 +42,20 @@ enum class Seat : std::uint16_t {
   belt = 256,         ///< that a clutch holds and lets go
 };
 /// The location types of both.
-constexpr Seat operator|(Seat a, Seat b) {
-  return static_cast<Seat>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
+constexpr LocationType operator|(LocationType a, LocationType b) {
+  return static_cast<LocationType>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
 }
 /// Whether they have one in common.
-constexpr bool any_of(Seat a, Seat b) { return (static_cast<unsigned>(a) & static_cast<unsigned>(b)) != 0; }
+constexpr bool any_of(LocationType a, LocationType b) {
+  return (static_cast<unsigned>(a) & static_cast<unsigned>(b)) != 0;
+}
 
 /// The description of a machine.
 struct MachineInfo {
   std::string_view name;                      ///< in the model file
   std::string_view rig;                       ///< its machine type in the log
   std::span<const ParameterInfo> parameters;  ///< its table; an index into it is a parameter's index
-  Seat seats;                                 ///< location types that it has
+  LocationType location_types;                ///< location types that it has
   bool rotary = false;                        ///< its position is an angle
   Kind kind{};                                ///< filled in by the list
 };

@@ -42,7 +42,9 @@ inline constexpr auto kMachines = []<class... Machine>(std::tuple<Machine...>*) 
 constexpr const MachineInfo& info(Kind kind) { return kMachines[static_cast<std::size_t>(kind)]; }
 
 /// Whether a machine has one of these location types.
-constexpr bool has(Kind kind, Seat seat) { return any_of(info(kind).seats, seat); }
+constexpr bool has(Kind kind, LocationType location_type) {
+  return any_of(info(kind).location_types, location_type);
+}
 
 /// The machine of this name in the model file; nothing where there is none.
 constexpr std::optional<Kind> kind_named(std::string_view name) {

@@ -8,7 +8,7 @@
 
 #include <bit>
 
-#include "furcula/dynamics/lanes.hpp"
+#include "furcula/dynamics/simd_batch.hpp"
 
 namespace furcula::dynamics {
 
@@ -22,8 +22,8 @@ struct SineCosine {
 namespace detail {
 
 template <class V, int N>
-FURCULA_INLINE auto bits_of(const Lanes<V, N>& x) {
-  return std::bit_cast<typename Lanes<V, N>::Bits>(x.v);
+FURCULA_INLINE auto bits_of(const SimdBatch<V, N>& x) {
+  return std::bit_cast<typename SimdBatch<V, N>::Bits>(x.v);
 }
 template <class V>
 FURCULA_INLINE SignedOf<sizeof(V)> bits_of(V x) {

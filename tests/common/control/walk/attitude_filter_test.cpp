@@ -96,7 +96,7 @@ TEST_CASE("in free fall the accelerometer says nothing, and the gyro alone turns
 }
 
 TEST_CASE("an attitude in lanes has the bits that it has by itself") {
-  using Lane = dynamics::Lanes<float, 8>;
+  using Lane = dynamics::SimdBatch<float, 8>;
   AttitudeFilter<float> one{{1.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
   AttitudeFilter<Lane> all{{Lane(1.0f), Lane(0.0f), Lane(0.0f), Lane(0.0f)},
                            {Lane(0.0f), Lane(0.0f), Lane(0.0f)}};

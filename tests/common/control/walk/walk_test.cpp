@@ -190,7 +190,7 @@ TEST_CASE("feedback is the law's, on the joints that it names, and limited") {
 }
 
 TEST_CASE("robots in lanes have the bits that each has by itself") {
-  using Lane = dynamics::Lanes<float, 8>;
+  using Lane = dynamics::SimdBatch<float, 8>;
   const Parameters<float> one_body(design());
   const Parameters<Lane> body(design());
   std::array<WalkParameters<float>, 8> walks;

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "furcula/dynamics/lanes.hpp"
+#include "furcula/dynamics/simd_batch.hpp"
 #include "furcula/dynamics/tree/spatial.hpp"
 
 namespace furcula::dynamics::biped {
@@ -75,7 +75,7 @@ struct Legs {
 /// In double both legs are computed in one pass, as a SIMD pair.
 template <>
 struct Legs<double> {
-  using Scalar = Lanes<double, 2>;           ///< {left, right}
+  using Scalar = SimdBatch<double, 2>;       ///< {left, right}
   static constexpr std::size_t kPasses = 1;  ///< both legs at once
   /// Always 0.
   static constexpr std::size_t pass(std::size_t) { return 0; }

@@ -129,7 +129,7 @@ struct Search {
   /// Its parameters are an amplitude, a frequency or pitch, and a phase over the position.
   bool swings = false;
   /// Clearly detectable sizes of each parameter, as distances from the neutral value (from zero where there is none), on either
-  /// side where the bounds allow both. Empty: host/sim/mystery.cpp draws the size for the machine.
+  /// side where the bounds allow both. Empty: host/sim/hidden_case.cpp draws the size for the machine.
   std::array<Range, kMaxEffectParameters> clear{};
 };
 
@@ -139,10 +139,10 @@ struct EffectInfo {
   std::string_view name;  ///< in model files, results and commands
   /// Short description, as in "the model lacks ..."; "the model's ..." where a parameter is wrong.
   std::string_view title;
-  Stage stage;             ///< that contains its model
-  Seat seats;              ///< location types: it exists on every machine that has one of them
-  std::string_view phase;  ///< on a hopper: "flight+stance", "stance", "touch-down", ...; empty: none
-  std::string_view law;    ///< its model as a formula or phrase, for documentation
+  Stage stage;                  ///< that contains its model
+  LocationType location_types;  ///< location types: it exists on every machine that has one of them
+  std::string_view phase;       ///< on a hopper: "flight+stance", "stance", "touch-down", ...; empty: none
+  std::string_view law;         ///< its model as a formula or phrase, for documentation
   std::array<EffectParameterInfo, kMaxEffectParameters> parameter_table;  ///< its parameters, then empty rows
   std::size_t parameter_count;                                            ///< rows of parameter_table in use
   std::string_view explanation;      ///< one sentence: what it does to the machine
@@ -169,7 +169,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "coulomb_friction",
      "dry friction",
      Stage::mechanism,
-     Seat::axis | Seat::belt,
+     LocationType::axis | LocationType::belt,
      "flight+stance",
      "-Fc sgn(v)",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0}}},
@@ -183,7 +183,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "stribeck_friction",
      "dry friction that rises towards standstill",
      Stage::mechanism,
-     Seat::axis,
+     LocationType::axis,
      "flight+stance",
      "-(Fc + (Fs - Fc) exp(-(v/vs)^2)) sgn(v)",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0},
@@ -200,7 +200,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "asymmetric_friction",
      "dry friction of different size in the two directions",
      Stage::mechanism,
-     Seat::axis,
+     LocationType::axis,
      "flight+stance",
      "-Fc+ for v > 0, +Fc- for v < 0",
      {{{"force_up_n", "torque_up_nm", "N", "N m", -1e4, 1e4, 0.0},
@@ -215,7 +215,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "quadratic_drag",
      "drag that grows with the square of the speed",
      Stage::mechanism,
-     Seat::axis,
+     LocationType::axis,
      "flight+stance",
      "-c v |v|",
      {{{"drag_ns2pm2", "drag_nms2prad2", "N s^2/m^2", "N m s^2/rad^2", 0.0, 1e4, 0.0}}},
@@ -227,7 +227,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "binding_spot",
      "a spot where the guide binds",
      Stage::mechanism,
-     Seat::axis,
+     LocationType::axis,
      "flight+stance",
      "extra Coulomb force within a stretch of the travel",
      {{{"force_n", "torque_nm", "N", "N m", 0.0, 1e4, 0.0},
@@ -245,7 +245,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "damping_error",
      "the model's viscous damping",
      Stage::mechanism,
-     Seat::axis | Seat::belt,
+     LocationType::axis | LocationType::belt,
      "flight+stance",
      "viscous damping differs from a held value (on a hopper: added to the guide's)",
      {{{"damping_nspm", "damping_nmspr", "N s/m", "N m s/rad", -1e4, 1e6, detail::kUnset, false, {}, true}}},
@@ -257,7 +257,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "force_offset",
      "a constant force",
      Stage::mechanism,
-     Seat::axis,
+     LocationType::axis,
      "flight+stance",
      "constant force on the axis",
      {{{"force_n", "torque_nm", "N", "N m", -1e4, 1e4, 0.0}}},
@@ -269,7 +269,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "guide_tilt",
      "a tilt of the guide",
      Stage::mechanism,
-     Seat::rail,
+     LocationType::rail,
      "flight+stance",
      "gravity scaled by cos(tilt)",
      {{{"tilt_rad", "tilt_rad", "rad", "rad", 0.0, 1.3, 0.0}}},
@@ -283,7 +283,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "mass_error",
      "the model's mass",
      Stage::mechanism,
-     Seat::axis,
+     LocationType::axis,
      "flight+stance",
      "mass differs from the model's",
      {{{"mass_kg", "inertia_kgm2", "kg", "kg m^2", 1e-6, 1e6, detail::kUnset}}},
@@ -295,7 +295,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "stiffness_error",
      "the model's spring rate",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "the spring's rate differs from the model's",
      {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 1.0, 1e6, detail::kUnset}}},
@@ -307,7 +307,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "rest_height_error",
      "the model's rest height of the spring",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "the spring's rest height differs",
      {{{"rest_height_m", "rest_height_m", "m", "m", 1e-3, 10.0, detail::kUnset}}},
@@ -319,7 +319,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "spring_preload",
      "preload of the spring",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "constant force while the spring is engaged",
      {{{"force_n", "force_n", "N", "N", -1e4, 1e4, 0.0}}},
@@ -331,7 +331,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "spring_hardening",
      "a spring that hardens",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "-k3 (z - z0)^3",
      {{{"cubic_npm3", "cubic_npm3", "N/m^3", "N/m^3", -1e9, 1e9, 0.0}}},
@@ -343,7 +343,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "spring_hysteresis",
      "hysteresis of the spring",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "-h |Fs| sgn(v)",
      {{{"ratio", "ratio", "", "", 0.0, 1.0, 0.0}}},
@@ -356,7 +356,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "leg_inertia",
      "the inertia of the links",
      Stage::mechanism,
-     Seat::light_leg,
+     LocationType::light_leg,
      "stance",
      "the links' inertia (a, b, e), which the linear model leaves out",
      {{{"inertia_a_kgm2", "inertia_a_kgm2", "kg m^2", "kg m^2", 0.0, 1.0, 0.0},
@@ -372,7 +372,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_gain_error",
      "the model's torque gain",
      Stage::actuation,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "delivered = gain x commanded",
      {{{"gain", "gain", "", "", 0.0, 10.0, 1.0}}},
@@ -385,7 +385,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_offset",
      "an offset of the motor's torque",
      Stage::actuation,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "delivered = commanded + offset",
      {{{"torque_nm", "torque_nm", "N m", "N m", -1e3, 1e3, 0.0}}},
@@ -397,7 +397,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "actuator_delay",
      "a delay of the drive",
      Stage::actuation,
-     Seat::drive,
+     LocationType::drive,
      "stance",
      "pure delay",
      {{{"delay_s", "delay_s", "s", "s", 0.0, 0.2, 0.0}}},
@@ -410,7 +410,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "actuator_lag",
      "a lag of the drive",
      Stage::actuation,
-     Seat::drive,
+     LocationType::drive,
      "stance",
      "first-order lag",
      {{{"time_constant_s", "time_constant_s", "s", "s", 0.0, 1.0, 0.0}}},
@@ -423,7 +423,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_saturation",
      "a limit of the drive",
      Stage::actuation,
-     Seat::drive,
+     LocationType::drive,
      "stance",
      "magnitude limited",
      {{{"limit_n", "limit_nm", "N", "N m", 0.0, 1e4, detail::kUnset, true}}},
@@ -439,7 +439,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "torque_ripple",
      "ripple of the motor's torque",
      Stage::actuation,
-     Seat::motor,
+     LocationType::motor,
      "stance",
      "A sin(n theta + phi)",
      {{{"amplitude_nm", "amplitude_nm", "N m", "N m", 0.0, 1e3, 0.0},
@@ -454,7 +454,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "thermal_derating",
      "a motor that weakens as it warms",
      Stage::actuation,
-     Seat::drive,
+     LocationType::drive,
      "stance",
      "gain falls exponentially with the seconds that torque was commanded",
      {{{"final_gain", "final_gain", "", "", 0.0, 1.0, 1.0},
@@ -468,7 +468,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "backlash",
      "backlash between motor and leg",
      Stage::actuation,
-     Seat::motor,
+     LocationType::motor,
      "stance",
      "dead zone between motor and leg, crossed by the rotor, plastic at its ends",
      {{{"gap_rad", "gap_rad", "rad", "rad", 0.0, 0.5, 0.0}}},
@@ -481,7 +481,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "touchdown_loss",
      "the loss of speed at touch-down",
      Stage::contact,
-     Seat::leg,
+     LocationType::leg,
      "touch-down",
      "velocity x alpha_td at touch-down",
      {{{"restitution_touchdown", "restitution_touchdown", "", "", 0.0, 1.5, detail::kUnset}}},
@@ -493,7 +493,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "liftoff_loss",
      "the loss of speed at lift-off",
      Stage::contact,
-     Seat::leg,
+     LocationType::leg,
      "lift-off",
      "velocity x alpha_lo at lift-off",
      {{{"restitution_liftoff", "restitution_liftoff", "", "", 0.0, 1.5, detail::kUnset}}},
@@ -506,7 +506,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "ground_compliance",
      "a ground that gives",
      Stage::contact,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "spring and damper under the toe",
      {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 100.0, 1e6, detail::kUnset, false, kNotOfModel},
@@ -521,7 +521,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "toe_sticking",
      "a toe that sticks to the ground",
      Stage::contact,
-     Seat::leg,
+     LocationType::leg,
      "lift-off",
      "the toe holds on until the pull exceeds a force",
      {{{"force_n", "force_n", "N", "N", 0.0, 1e3, 0.0}}},
@@ -534,7 +534,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_offset",
      "an offset of the encoder's zero",
      Stage::sensing,
-     Seat::leg | Seat::swing,
+     LocationType::leg | LocationType::swing,
      "flight+stance",
      "measured = true + offset",
      {{{"offset_m", "offset_rad", "m", "rad", -10.0, 10.0, 0.0}}},
@@ -547,7 +547,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "height_scale_error",
      "a scale error of the height",
      Stage::sensing,
-     Seat::rail,
+     LocationType::rail,
      "flight+stance",
      "measured = scale x true, about the touch-down height (on a rail carriage about zero)",
      {{{"scale", "scale", "", "", 0.5, 2.0, 1.0}}},
@@ -560,7 +560,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "height_eccentricity",
      "an eccentric encoder",
      Stage::sensing,
-     Seat::rail,
+     LocationType::rail,
      "flight+stance",
      "measured = true + A sin(2 pi z / pitch + phi)",
      {{{"amplitude_m", "amplitude_m", "m", "m", 0.0, 0.1, 0.0},
@@ -575,7 +575,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "encoder_slip",
      "a slip of the encoder",
      Stage::sensing,
-     Seat::axis | Seat::belt,
+     LocationType::axis | LocationType::belt,
      "flight+stance",
      "the measured position jumps by a step at an instant and stays there",
      {{{"step_m", "step_rad", "m", "rad", -10.0, 10.0, 0.0},
@@ -588,7 +588,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "contact_delay",
      "a contact switch that reports late or early",
      Stage::sensing,
-     Seat::leg,
+     LocationType::leg,
      "touch-down",
      "the switch reports late (+) or early (-)",
      {{{"delay_s", "delay_s", "s", "s", -0.1, 0.1, 0.0}}},
@@ -601,7 +601,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "time_skew",
      "a skew between the clocks of position and torque",
      Stage::sensing,
-     Seat::drive,
+     LocationType::drive,
      "flight+stance",
      "measured(t) = true(t - skew)",
      {{{"skew_s", "skew_s", "s", "s", -0.1, 0.1, 0.0}}},
@@ -614,7 +614,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "clutch_slip",
      "a clutch that slips over its teeth",
      Stage::mechanism,
-     Seat::belt,
+     LocationType::belt,
      "",
      "the key skips a tooth while pull + kinetic energy / pitch > holding force; each tooth turns holding force x "
      "pitch into heat",
@@ -629,7 +629,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "late_catch",
      "the model's delay of the catch",
      Stage::mechanism,
-     Seat::leg | Seat::belt,
+     LocationType::leg | LocationType::belt,
      "",
      "the catch engages delay_s after the coil is switched off, in place of the model's catch_delay_s",
      {{{"delay_s", "delay_s", "s", "s", 0.0, 1.0, detail::kUnset, false, "catch_delay_s"}}},
@@ -642,7 +642,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "incomplete_release",
      "a release that leaves a part of the spring's force",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "F = F_released + ratio (F_caught - F_released) while released",
      {{{"ratio", "ratio", "", "", 0.0, 1.0, 0.0}}},
@@ -657,7 +657,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "auxiliary_spring",
      "the model's rate of the auxiliary spring",
      Stage::mechanism,
-     Seat::leg | Seat::belt,
+     LocationType::leg | LocationType::belt,
      "stance",
      "when released, the auxiliary spring's force is k_aux x stretch with another k_aux than the model's",
      {{{"stiffness_npm", "stiffness_npm", "N/m", "N/m", 0.0, 1e4, detail::kUnset, false,
@@ -674,7 +674,7 @@ inline constexpr EffectInfo kCatalogue[] = {
      "bump_stop",
      "a bump stop at the end of the leg's travel",
      Stage::mechanism,
-     Seat::leg,
+     LocationType::leg,
      "stance",
      "k (c - c0) upwards while the leg's compression c, from its length at touch-down, is beyond c0",
      {{{"compression_m", "compression_m", "m", "m", 1e-3, 1.0, detail::kUnset},
@@ -695,7 +695,7 @@ inline constexpr std::size_t kEffectCount = std::size(kCatalogue);
 constexpr const EffectInfo& info(Effect e) { return kCatalogue[static_cast<std::size_t>(e)]; }
 
 /// Whether the effect exists on machines of this kind.
-constexpr bool applies(Effect e, Kind k) { return has(k, info(e).seats); }
+constexpr bool applies(Effect e, Kind k) { return has(k, info(e).location_types); }
 
 /// Whether the effect is one of a clutch, which a hopper need not have.
 constexpr bool needs_clutch(Effect e) {
@@ -712,11 +712,11 @@ constexpr std::optional<Effect> effect_named(std::string_view name) {
 
 /// The parameter's name on machines of this kind.
 constexpr std::string_view name_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary || (p.of_motor && has(k, Seat::leg)) ? p.rotary_name : p.name;
+  return info(k).rotary || (p.of_motor && has(k, LocationType::leg)) ? p.rotary_name : p.name;
 }
 /// The parameter's unit on machines of this kind.
 constexpr std::string_view unit_on(const EffectParameterInfo& p, Kind k) {
-  return info(k).rotary || (p.of_motor && has(k, Seat::leg)) ? p.rotary_unit : p.unit;
+  return info(k).rotary || (p.of_motor && has(k, LocationType::leg)) ? p.rotary_unit : p.unit;
 }
 
 static_assert(

@@ -54,7 +54,7 @@ struct ClutchBench {
   static constexpr MachineInfo kInfo{.name = "clutch_bench",
                                      .rig = "clutch_bench",
                                      .parameters = kClutchBenchParameters,
-                                     .seats = Seat::belt,
+                                     .location_types = LocationType::belt,
                                      .rotary = true};
   /// Its parameters in scalar T.
   template <class T>

@@ -73,11 +73,12 @@ namespace machines {
 /// The hopper with massless links.
 struct HopperLinear {
   /// Names, parameters and location types.
-  static constexpr MachineInfo kInfo{
-      .name = "hopper_linear",
-      .rig = "hopper",
-      .parameters = kHopperLinearParameters,
-      .seats = Seat::axis | Seat::rail | Seat::drive | Seat::motor | Seat::leg | Seat::light_leg};
+  static constexpr MachineInfo kInfo{.name = "hopper_linear",
+                                     .rig = "hopper",
+                                     .parameters = kHopperLinearParameters,
+                                     .location_types = LocationType::axis | LocationType::rail |
+                                                       LocationType::drive | LocationType::motor |
+                                                       LocationType::leg | LocationType::light_leg};
   /// Its parameters in scalar T.
   template <class T>
   using Parameters = HopperLinearParameters<T>;

@@ -45,11 +45,12 @@ namespace machines {
 /// The hopper with link inertia.
 struct HopperNonlinear {
   /// Names, parameters and location types.
-  static constexpr MachineInfo kInfo{
-      .name = "hopper_nonlinear",
-      .rig = "hopper",
-      .parameters = kHopperNonlinearParameters,
-      .seats = Seat::axis | Seat::rail | Seat::drive | Seat::motor | Seat::leg | Seat::heavy_links};
+  static constexpr MachineInfo kInfo{.name = "hopper_nonlinear",
+                                     .rig = "hopper",
+                                     .parameters = kHopperNonlinearParameters,
+                                     .location_types = LocationType::axis | LocationType::rail |
+                                                       LocationType::drive | LocationType::motor |
+                                                       LocationType::leg | LocationType::heavy_links};
   /// Its parameters in scalar T.
   template <class T>
   using Parameters = HopperNonlinearParameters<T>;

@@ -34,7 +34,7 @@ struct MotorAxis {
   static constexpr MachineInfo kInfo{.name = "motor_axis",
                                      .rig = "motor_axis",
                                      .parameters = kMotorAxisParameters,
-                                     .seats = Seat::axis | Seat::drive};
+                                     .location_types = LocationType::axis | LocationType::drive};
   /// Its parameters in scalar T.
   template <class T>
   using Parameters = MotorAxisParameters<T>;

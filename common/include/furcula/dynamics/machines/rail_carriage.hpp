@@ -37,7 +37,7 @@ struct RailCarriage {
   static constexpr MachineInfo kInfo{.name = "rail_carriage",
                                      .rig = "rail_carriage",
                                      .parameters = kRailCarriageParameters,
-                                     .seats = Seat::axis | Seat::rail};
+                                     .location_types = LocationType::axis | LocationType::rail};
   /// Its parameters in scalar T.
   template <class T>
   using Parameters = RailCarriageParameters<T>;

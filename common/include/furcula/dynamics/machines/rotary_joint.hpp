@@ -35,11 +35,12 @@ namespace machines {
 /// A driven pendulum.
 struct RotaryJoint {
   /// Names, parameters and location types.
-  static constexpr MachineInfo kInfo{.name = "rotary_joint",
-                                     .rig = "rotary_joint",
-                                     .parameters = kRotaryJointParameters,
-                                     .seats = Seat::axis | Seat::drive | Seat::motor | Seat::swing,
-                                     .rotary = true};
+  static constexpr MachineInfo kInfo{
+      .name = "rotary_joint",
+      .rig = "rotary_joint",
+      .parameters = kRotaryJointParameters,
+      .location_types = LocationType::axis | LocationType::drive | LocationType::motor | LocationType::swing,
+      .rotary = true};
   /// Its parameters in scalar T.
   template <class T>
   using Parameters = RotaryJointParameters<T>;

@@ -34,11 +34,12 @@ namespace machines {
 /// A driven joint on a torsion spring, without gravity.
 struct TorsionPendulum {
   /// Names, parameters and location types.
-  static constexpr MachineInfo kInfo{.name = "torsion_pendulum",
-                                     .rig = "rotary_joint",
-                                     .parameters = kTorsionPendulumParameters,
-                                     .seats = Seat::axis | Seat::drive | Seat::motor | Seat::swing,
-                                     .rotary = true};
+  static constexpr MachineInfo kInfo{
+      .name = "torsion_pendulum",
+      .rig = "rotary_joint",
+      .parameters = kTorsionPendulumParameters,
+      .location_types = LocationType::axis | LocationType::drive | LocationType::motor | LocationType::swing,
+      .rotary = true};
   /// Its parameters in scalar T.
   template <class T>
   using Parameters = TorsionPendulumParameters<T>;

@@ -19,7 +19,7 @@ struct Trial {
   Rollout rollout;
 };
 
-struct Evidence {
+struct Robustness {
   std::vector<Trial> steps;    ///< of 1, 0.5, 0.25 and 0.125 ms, all with ticks of 1 ms
   std::vector<Trial> changed;  ///< slopes of a degree, 5 % more and less mass, 10 s more to stand
   unsigned noisy = 0;          ///< walks with sensors that err, each with errors of its own
@@ -30,9 +30,9 @@ struct Evidence {
 };
 
 /// `drawn`: the other robots. `told` from 0 to 1.
-Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
-                     const Parameters& walk, const std::vector<Member>& drawn, unsigned threads,
-                     const std::function<void(double)>& told = {});
+Robustness robustness_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
+                         const Parameters& walk, const std::vector<Member>& drawn, unsigned threads,
+                         const std::function<void(double)>& told = {});
 
 /// The robot with all masses and inertias times `factor`.
 dynamics::biped::Description heavier(dynamics::biped::Description robot, double factor);

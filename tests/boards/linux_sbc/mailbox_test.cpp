@@ -1,5 +1,5 @@
 // The hand-over between the threads of furculad; of use under the preset tsan above all.
-#include "boards/linux_sbc/hatch.hpp"
+#include "boards/linux_sbc/mailbox.hpp"
 
 #include <modbus/modbus.h>
 
@@ -13,17 +13,17 @@
 #include "host/modbus/tcp_server.hpp"
 
 using namespace furcula;
-using linux_sbc::Hatch;
+using linux_sbc::Mailbox;
 
 namespace {
 
 /// A loop that answers each read of holding registers (function 3) with the addresses that were asked for.
 class EchoLoop {
  public:
-  explicit EchoLoop(Hatch& hatch)
-      : thread_([this, &hatch] {
+  explicit EchoLoop(Mailbox& mailbox)
+      : thread_([this, &mailbox] {
           while (!stop_) {
-            hatch.attend(answer);
+            mailbox.attend(answer);
             std::this_thread::yield();
           }
         }) {}
@@ -55,9 +55,10 @@ class EchoLoop {
 
 /// The server on its own thread, on a port of the loopback that is not used.
 struct Service : modbus::TcpService {
-  explicit Service(Hatch& hatch)
-      : modbus::TcpService("127.0.0.1", 0,
-                           [&hatch](std::span<const std::uint8_t> request) { return hatch.ask(request); }) {}
+  explicit Service(Mailbox& mailbox)
+      : modbus::TcpService("127.0.0.1", 0, [&mailbox](std::span<const std::uint8_t> request) {
+          return mailbox.ask(request);
+        }) {}
 };
 
 struct Master {
@@ -153,10 +154,10 @@ TEST_CASE("a full slot keeps what it has") {
 }
 
 TEST_CASE(
-    "libmodbus reads through the server and the hatch what the loop answers, from two masters at once") {
-  Hatch hatch;
-  const EchoLoop loop(hatch);
-  const Service service(hatch);
+    "libmodbus reads through the server and the mailbox what the loop answers, from two masters at once") {
+  Mailbox mailbox;
+  const EchoLoop loop(mailbox);
+  const Service service(mailbox);
   const Master first(service), second(service);
   std::uint16_t words[100] = {};
   for (int round = 0; round < 50; ++round) {
@@ -173,13 +174,13 @@ TEST_CASE(
 
 TEST_CASE(
     "a loop that does not answer is a server's failure, and the next request is not answered by an old answer") {
-  Hatch hatch;
-  const Service service(hatch);
+  Mailbox mailbox;
+  const Service service(mailbox);
   const Master master(service);
   std::uint16_t word = 0;
   CHECK(::modbus_read_registers(master.context, 1, 1, &word) == -1);
   CHECK(errno == EMBXSFAIL);
-  const EchoLoop late(hatch);  // answers the old request first
+  const EchoLoop late(mailbox);  // answers the old request first
   int read = -1;
   // It may take a while until that thread runs.
   for (int tries = 0; tries < 2000 && read != 1; ++tries) {
@@ -191,9 +192,9 @@ TEST_CASE(
 }
 
 TEST_CASE("a request that was reported as failed is never done, however late the loop comes") {
-  Hatch hatch;
+  Mailbox mailbox;
   const std::array<std::uint8_t, 5> request{3, 0, 1, 0, 1};
-  const bus::Response response = hatch.ask(request);
+  const bus::Response response = mailbox.ask(request);
   REQUIRE(response.size == 2);
   CHECK(response.bytes[0] == (3 | 0x80));
   CHECK(response.bytes[1] == static_cast<std::uint8_t>(bus::ModbusException::device_failure));
@@ -202,19 +203,19 @@ TEST_CASE("a request that was reported as failed is never done, however late the
     ++done;
     return bus::Response();
   };
-  for (int tick = 0; tick < 10; ++tick) hatch.attend(count);
+  for (int tick = 0; tick < 10; ++tick) mailbox.attend(count);
   CHECK(done == 0);
 }
 
 TEST_CASE("whether a request is done and what is said of it agree, wherever the loop comes between") {
-  Hatch hatch;
+  Mailbox mailbox;
   std::atomic<int> done{0};
   std::atomic<bool> stop{false};
   // Looks about when the 100 ms are over, and takes its time with what it finds.
   std::thread loop([&] {
     for (unsigned round = 0; !stop; ++round) {
       std::this_thread::sleep_for(std::chrono::milliseconds(96 + round % 16));
-      hatch.attend([&](std::span<const std::uint8_t> request) {
+      mailbox.attend([&](std::span<const std::uint8_t> request) {
         std::this_thread::sleep_for(std::chrono::milliseconds(30));
         ++done;
         bus::Response response;
@@ -225,7 +226,7 @@ TEST_CASE("whether a request is done and what is said of it agree, wherever the 
   });
   int told_done = 0;
   const std::array<std::uint8_t, 5> request{3, 0, 1, 0, 1};
-  for (int round = 0; round < 30; ++round) told_done += hatch.ask(request).bytes[0] == 3 ? 1 : 0;
+  for (int round = 0; round < 30; ++round) told_done += mailbox.ask(request).bytes[0] == 3 ? 1 : 0;
   stop = true;
   loop.join();
   CHECK(done == told_done);
@@ -236,9 +237,9 @@ TEST_CASE("whether a request is done and what is said of it agree, wherever the 
 extern "C" unsigned long furcula_allocations();
 
 TEST_CASE("after the start a request takes no memory, on no thread") {
-  Hatch hatch;
-  const EchoLoop loop(hatch);
-  const Service service(hatch);
+  Mailbox mailbox;
+  const EchoLoop loop(mailbox);
+  const Service service(mailbox);
   const Master master(service);
   std::uint16_t words[100] = {};
   const unsigned long before = furcula_allocations();

@@ -10,7 +10,7 @@
 
 namespace furcula::linux_sbc {
 
-class Hatch {
+class Mailbox {
  public:
   /// For the server's thread: hands a Modbus request (function code and data, at most bus::kPduBytesMax) to
   /// the loop and waits for its answer. A request that the loop does not take within 100 ms is withdrawn, and

@@ -17,7 +17,7 @@ using optimise::GaussPoint;
 using optimise::kCostRow;
 using optimise::kGauss;
 using optimise::kNoBound;
-using optimise::Programme;
+using optimise::Nlp;
 using optimise::Second;
 using optimise::Solution;
 using optimise::SolveOptions;
@@ -34,10 +34,10 @@ T rounded_positive(const T& d, double e) {
 }
 
 /// The first phase is the stance, the others the flight. Angles are in rad by the phase's own time from 0 to 1.
-class GaitProgramme {
+class GaitNlp {
  public:
-  GaitProgramme(const Machine& machine, const Task& task, const std::vector<JointPath>& start,
-                const std::vector<Turn>& turns, double rounding, double margin = 0.0)
+  GaitNlp(const Machine& machine, const Task& task, const std::vector<JointPath>& start,
+          const std::vector<Turn>& turns, double rounding, double margin = 0.0)
       : m_(machine),
         task_(task),
         rounding_(rounding),
@@ -66,7 +66,7 @@ class GaitProgramme {
     add_cost();
   }
 
-  Programme& programme() { return p_; }
+  Nlp& nlp() { return p_; }
 
   std::vector<JointPath> paths(const std::vector<double>& x) const {
     std::vector<JointPath> out(phases_);
@@ -426,7 +426,7 @@ class GaitProgramme {
   std::vector<Turn> turns_;
   std::size_t phases_;
   double catch_share_;
-  Programme p_;
+  Nlp p_;
   std::vector<Spline> spline_;
   std::vector<int> duration_;
   std::vector<std::array<std::vector<int>, 2>> coefficient_;  ///< of hip and knee

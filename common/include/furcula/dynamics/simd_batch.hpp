@@ -45,7 +45,7 @@ struct LaneMask {
 
 /// A SIMD batch of N numbers, N > 1; V is float or double. Operators + - * / += -= *= /= < > act on each lane, with another batch or a number.
 template <class V, int N>
-struct Lanes {
+struct SimdBatch {
   static_assert(N > 1 && std::is_floating_point_v<V>);
   /// The compiler's vector of N numbers.
   using Vector [[gnu::vector_size(N * sizeof(V))]] = V;
@@ -54,12 +54,13 @@ struct Lanes {
   static constexpr std::size_t kLanes = N;  ///< numbers in the batch
   Vector v;                                 ///< one number in each lane
 
-  Lanes() = default;  ///< its numbers are not initialised
+  SimdBatch() = default;  ///< its numbers are not initialised
   /// The same number in each lane; converts from a plain number so that one can stand in any expression.
-  FURCULA_INLINE Lanes(V x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor): as a number anywhere
+  FURCULA_INLINE SimdBatch(V x)
+      : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor): as a number anywhere
   /// The batch with the numbers of a vector.
-  FURCULA_INLINE static Lanes of(const Vector& x) {
-    Lanes out;
+  FURCULA_INLINE static SimdBatch of(const Vector& x) {
+    SimdBatch out;
     out.v = x;
     return out;
   }
@@ -71,28 +72,28 @@ struct Lanes {
 
 /// The value type of a batch is that of its lanes; a batch has no single plain value.
 template <class V, int N>
-struct ScalarTraits<Lanes<V, N>> {
+struct ScalarTraits<SimdBatch<V, N>> {
   /// The number type of a lane.
   using Value = V;
 };
 
-/// \cond told at Lanes
-#define FURCULA_LANES_OPERATOR(op)                                                          \
-  template <class V, int N>                                                                 \
-  FURCULA_INLINE Lanes<V, N> operator op(const Lanes<V, N>& a, const Lanes<V, N>& b) {      \
-    return Lanes<V, N>::of(a.v op b.v);                                                     \
-  }                                                                                         \
-  template <class V, int N>                                                                 \
-  FURCULA_INLINE Lanes<V, N> operator op(const Lanes<V, N>& a, std::type_identity_t<V> b) { \
-    return Lanes<V, N>::of(a.v op Lanes<V, N>(b).v);                                        \
-  }                                                                                         \
-  template <class V, int N>                                                                 \
-  FURCULA_INLINE Lanes<V, N> operator op(std::type_identity_t<V> a, const Lanes<V, N>& b) { \
-    return Lanes<V, N>::of(Lanes<V, N>(a).v op b.v);                                        \
-  }                                                                                         \
-  template <class V, int N, class B>                                                        \
-  FURCULA_INLINE Lanes<V, N>& operator op##=(Lanes<V, N>& a, const B& b) {                  \
-    return a = a op b;                                                                      \
+/// \cond told at SimdBatch
+#define FURCULA_LANES_OPERATOR(op)                                                                  \
+  template <class V, int N>                                                                         \
+  FURCULA_INLINE SimdBatch<V, N> operator op(const SimdBatch<V, N>& a, const SimdBatch<V, N>& b) {  \
+    return SimdBatch<V, N>::of(a.v op b.v);                                                         \
+  }                                                                                                 \
+  template <class V, int N>                                                                         \
+  FURCULA_INLINE SimdBatch<V, N> operator op(const SimdBatch<V, N>& a, std::type_identity_t<V> b) { \
+    return SimdBatch<V, N>::of(a.v op SimdBatch<V, N>(b).v);                                        \
+  }                                                                                                 \
+  template <class V, int N>                                                                         \
+  FURCULA_INLINE SimdBatch<V, N> operator op(std::type_identity_t<V> a, const SimdBatch<V, N>& b) { \
+    return SimdBatch<V, N>::of(SimdBatch<V, N>(a).v op b.v);                                        \
+  }                                                                                                 \
+  template <class V, int N, class B>                                                                \
+  FURCULA_INLINE SimdBatch<V, N>& operator op##=(SimdBatch<V, N>& a, const B& b) {                  \
+    return a = a op b;                                                                              \
   }
 FURCULA_LANES_OPERATOR(+)
 FURCULA_LANES_OPERATOR(-)
@@ -103,19 +104,19 @@ FURCULA_LANES_OPERATOR(/)
 
 /// The negative of each lane.
 template <class V, int N>
-FURCULA_INLINE Lanes<V, N> operator-(const Lanes<V, N>& a) {
-  return Lanes<V, N>::of(-a.v);
+FURCULA_INLINE SimdBatch<V, N> operator-(const SimdBatch<V, N>& a) {
+  return SimdBatch<V, N>::of(-a.v);
 }
 
-/// \cond told at Lanes
-#define FURCULA_LANES_COMPARE(op)                                                              \
-  template <class V, int N>                                                                    \
-  FURCULA_INLINE LaneMask<V, N> operator op(const Lanes<V, N>& a, const Lanes<V, N>& b) {      \
-    return {a.v op b.v};                                                                       \
-  }                                                                                            \
-  template <class V, int N>                                                                    \
-  FURCULA_INLINE LaneMask<V, N> operator op(const Lanes<V, N>& a, std::type_identity_t<V> b) { \
-    return {a.v op Lanes<V, N>(b).v};                                                          \
+/// \cond told at SimdBatch
+#define FURCULA_LANES_COMPARE(op)                                                                  \
+  template <class V, int N>                                                                        \
+  FURCULA_INLINE LaneMask<V, N> operator op(const SimdBatch<V, N>& a, const SimdBatch<V, N>& b) {  \
+    return {a.v op b.v};                                                                           \
+  }                                                                                                \
+  template <class V, int N>                                                                        \
+  FURCULA_INLINE LaneMask<V, N> operator op(const SimdBatch<V, N>& a, std::type_identity_t<V> b) { \
+    return {a.v op SimdBatch<V, N>(b).v};                                                          \
   }
 FURCULA_LANES_COMPARE(<)
 FURCULA_LANES_COMPARE(>)
@@ -124,9 +125,9 @@ FURCULA_LANES_COMPARE(>)
 
 /// In each lane `yes` where the condition holds, else `no`.
 template <class V, int N>
-FURCULA_INLINE Lanes<V, N> select(const LaneMask<V, N>& which, const Lanes<V, N>& yes,
-                                  const Lanes<V, N>& no) {
-  return Lanes<V, N>::of(which.bits ? yes.v : no.v);
+FURCULA_INLINE SimdBatch<V, N> select(const LaneMask<V, N>& which, const SimdBatch<V, N>& yes,
+                                      const SimdBatch<V, N>& no) {
+  return SimdBatch<V, N>::of(which.bits ? yes.v : no.v);
 }
 /// Whether the condition holds in any lane.
 template <class V, int N>
@@ -202,8 +203,8 @@ FURCULA_INLINE T square_root(const T& x) {
 }
 /// Square root of each lane, correctly rounded.
 template <class V, int N>
-FURCULA_INLINE Lanes<V, N> square_root(const Lanes<V, N>& x) {
-  Lanes<V, N> out;
+FURCULA_INLINE SimdBatch<V, N> square_root(const SimdBatch<V, N>& x) {
+  SimdBatch<V, N> out;
   constexpr std::size_t kBytes = N * sizeof(V);
 #if defined(__AVX__)
   if constexpr (kBytes % 32 == 0) {

@@ -78,7 +78,7 @@ TEST_CASE("First rows from before a delay, and an encoder that stands still for 
   for (std::size_t i = 700; i < 800; ++i) angle[i] = angle[699];
   const trees::Diagnosis d = trees::diagnose(test::pendulum(), first(all, 3), {all[3]});
   check_friction_named(d, torque_nm);
-  CHECK(d.dirt.refused.size() == 3 * 4 + 100);
+  CHECK(d.data_quality.refused.size() == 3 * 4 + 100);
 }
 
 TEST_CASE("One log of another robot is said to be, and the rest are diagnosed") {
@@ -90,7 +90,7 @@ TEST_CASE("One log of another robot is said to be, and the rest are diagnosed") 
   all[2].path = "other.csv";
   const trees::Diagnosis d = trees::diagnose(test::pendulum(), first(all, 6), {all[6]});
   check_friction_named(d, torque_nm);
-  REQUIRE(d.dirt.left_out.size() == 1);
-  CHECK(d.dirt.left_out[0].log == "other.csv");
+  REQUIRE(d.data_quality.excluded.size() == 1);
+  CHECK(d.data_quality.excluded[0].log == "other.csv");
   CHECK(d.logs == 6);
 }

@@ -23,7 +23,7 @@
 #include "furcula/dynamics/biped/energy.hpp"
 #include "furcula/dynamics/biped/step.hpp"
 #include "host/biped/put_robot.hpp"
-#include "host/walk/member_lanes.hpp"
+#include "host/walk/member_batch.hpp"
 #include "host/walk/posture.hpp"
 #include "host/walk/rollout.hpp"
 
@@ -41,12 +41,12 @@ struct WalkMoment {
   double time_s;
 };
 
-class Strider;  // return_map.cpp
+class PeriodicRollout;  // return_map.cpp
 
 /// T is a number in lanes, or double.
 template <class T>
-class Walkers {
-  friend class Strider;
+class BatchedRollout {
+  friend class PeriodicRollout;
   using V = dynamics::ValueOf<T>;
   using L = dynamics::biped::LegScalar<T>;
   static constexpr std::size_t kRobots = control::WalkState<T>::kRobots;
@@ -56,13 +56,13 @@ class Walkers {
   using Done = std::function<void(std::size_t, const Rollout&)>;
 
   /// `known` is the robot as the controller has it in its feedback.
-  Walkers(const dynamics::biped::Description& robot, const dynamics::biped::Description& known,
-          const RolloutOptions& options)
-      : Walkers({{robot, {}, {}, {}, 0.0, {}}}, known, options, false) {}
+  BatchedRollout(const dynamics::biped::Description& robot, const dynamics::biped::Description& known,
+                 const RolloutOptions& options)
+      : BatchedRollout({{robot, {}, {}, {}, 0.0, {}}}, known, options, false) {}
   /// Of an ensemble, at least one.
-  Walkers(std::span<const Member> members, const dynamics::biped::Description& known,
-          const RolloutOptions& options)
-      : Walkers({members.begin(), members.end()}, known, options, true) {}
+  BatchedRollout(std::span<const Member> members, const dynamics::biped::Description& known,
+                 const RolloutOptions& options)
+      : BatchedRollout({members.begin(), members.end()}, known, options, true) {}
 
   /// What a robot's sensors make of a tick, before the filter and the controller see it.
   std::function<void(control::WalkSample<T>&, control::Imu<T>&)> senses;
@@ -115,8 +115,8 @@ class Walkers {
   }
 
  private:
-  Walkers(const std::vector<Member>& members, const dynamics::biped::Description& known,
-          const RolloutOptions& options, bool is_ensemble)
+  BatchedRollout(const std::vector<Member>& members, const dynamics::biped::Description& known,
+                 const RolloutOptions& options, bool is_ensemble)
       : robots_(std::make_shared<const std::vector<Robot>>(members.begin(), members.end())),
         is_ensemble_(is_ensemble),
         o_(options),
@@ -529,7 +529,7 @@ class Walkers {
   T time_s_{}, ended_{}, off_{};
   std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
-  MemberLanes<T> members_;  ///< of an ensemble alone
+  MemberBatch<T> members_;  ///< of an ensemble alone
 };
 
 }  // namespace furcula::walk

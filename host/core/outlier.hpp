@@ -14,14 +14,14 @@ namespace furcula::core {
 /// same motion.
 inline constexpr double kFaster = 1.5, kHarder = 2.5;
 
-struct OddOne {
+struct Outlier {
   double times = 0.0;  ///< over the others' median
   bool far =
       false;  ///< eight times that, and six standard deviations of their logarithms (robustly; a third at least, one at most)
 };
 
 /// Of at least five numbers; of fewer, or of one that is not above 0, nothing is said.
-inline OddOne odd_one(const std::vector<double>& values, std::size_t index) {
+inline Outlier outlier(const std::vector<double>& values, std::size_t index) {
   constexpr double kFar = 8.0, kDeviations = 6.0, kLeastScatter = 0.33, kMostScatter = 1.0;
   constexpr std::size_t kFewest = 5;
   std::vector<double> logs;

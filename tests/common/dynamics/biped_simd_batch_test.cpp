@@ -8,7 +8,7 @@
 
 using namespace furcula;
 using namespace furcula::test;
-using dynamics::Lanes;
+using dynamics::SimdBatch;
 using dynamics::ValueOf;
 
 namespace {
@@ -71,7 +71,7 @@ T run(biped::State<T>& s, const P& p, const dynamics::MaskOf<T>& odd) {
 /// Robots 0 to N-1 together, and each by itself: the same to the bit?
 template <class V, int N, class Topology = biped::DesignTopology, class P, class PAlone>
 void check_lanes(const P& together, const PAlone& alone) {
-  using T = Lanes<V, N>;
+  using T = SimdBatch<V, N>;
   biped::State<T> all;
   T number(V(0));
   for (std::size_t k = 0; k < static_cast<std::size_t>(N); ++k) {
@@ -132,11 +132,11 @@ TEST_CASE("Sine and cosine hold over their range, and what is not a number stays
 
 TEST_CASE("Four bipeds in lanes of double are each by itself to the bit, in contact and with clutches open") {
   const biped::Description d = biped::design();
-  check_lanes<double, 4>(biped::Parameters<Lanes<double, 4>>(d), biped::Parameters<double>(d));
+  check_lanes<double, 4>(biped::Parameters<SimdBatch<double, 4>>(d), biped::Parameters<double>(d));
 }
 TEST_CASE("Eight bipeds in lanes of float are each by itself to the bit") {
   const biped::Description d = biped::design();
-  check_lanes<float, 8>(biped::Parameters<Lanes<float, 8>>(d), biped::Parameters<float>(d));
+  check_lanes<float, 8>(biped::Parameters<SimdBatch<float, 8>>(d), biped::Parameters<float>(d));
 }
 TEST_CASE("Bipeds of turned joints in lanes are each by itself to the bit") {
   // Hips that are canted outwards by 0.2 rad, knees turned back by as much.
@@ -147,9 +147,9 @@ TEST_CASE("Bipeds of turned joints in lanes are each by itself to the bit") {
       frames[side][j] = {{1, 0, 0}, {0, std::cos(a), std::sin(a)}, {0, -std::sin(a), std::cos(a)}};
     }
   const biped::Description d = biped::design();
-  check_lanes<double, 4, biped::AnywhereTopology>(biped::TurnedParameters<Lanes<double, 4>>(d, frames),
+  check_lanes<double, 4, biped::AnywhereTopology>(biped::TurnedParameters<SimdBatch<double, 4>>(d, frames),
                                                   biped::TurnedParameters<double>(d, frames));
-  check_lanes<float, 8, biped::AnywhereTopology>(biped::TurnedParameters<Lanes<float, 8>>(d, frames),
+  check_lanes<float, 8, biped::AnywhereTopology>(biped::TurnedParameters<SimdBatch<float, 8>>(d, frames),
                                                  biped::TurnedParameters<float>(d, frames));
 }
 

@@ -1,5 +1,5 @@
-// The virtual hopper with one hidden cause, see host/sim/mystery.hpp.
-#include "host/sim/mystery.hpp"
+// The virtual hopper with one hidden cause, see host/sim/hidden_case.hpp.
+#include "host/sim/hidden_case.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -10,7 +10,7 @@ using namespace furcula;
 TEST_CASE("a drawn machine_type is its model with other dampings and exactly one effect") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
-    const sim::Mystery m = sim::draw_mystery(seed);
+    const sim::HiddenCase m = sim::draw_hidden_case(seed);
     CHECK(m.model.effects.empty());
     REQUIRE(m.truth.effects.size() == 1);
     CHECK(m.truth.effects.begin()->first == m.cause);
@@ -28,7 +28,7 @@ TEST_CASE("a drawn machine_type is its model with other dampings and exactly one
 TEST_CASE("every effect that a hopper can have is drawn, with a size") {
   std::set<dynamics::Effect> drawn;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-    const sim::Mystery m = sim::draw_mystery(seed);
+    const sim::HiddenCase m = sim::draw_hidden_case(seed);
     drawn.insert(m.cause);
     const auto& e = dynamics::info(m.cause);
     for (std::size_t i = 0; i < e.parameter_count; ++i) {
@@ -51,7 +51,7 @@ TEST_CASE("every effect that a hopper can have is drawn, with a size") {
 
 TEST_CASE("a drawn machine keeps hopping, and its height is an encoder's") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const sim::Mystery m = sim::draw_mystery(seed);
+    const sim::HiddenCase m = sim::draw_hidden_case(seed);
     REQUIRE(m.logs.size() == 8);
     // The first two are a drop without torque and one with little of it.
     for (std::size_t i = 2; i < m.logs.size(); ++i) {
@@ -75,7 +75,8 @@ TEST_CASE("a drawn machine keeps hopping, and its height is an encoder's") {
 }
 
 TEST_CASE("the same seed draws the same machine and the same logs, another seed others") {
-  const sim::Mystery a = sim::draw_mystery(7), b = sim::draw_mystery(7), c = sim::draw_mystery(8);
+  const sim::HiddenCase a = sim::draw_hidden_case(7), b = sim::draw_hidden_case(7),
+                        c = sim::draw_hidden_case(8);
   CHECK(a.truth.parameters == b.truth.parameters);
   CHECK(a.cause == b.cause);
   for (std::size_t i = 0; i < a.logs.size(); ++i) CHECK(a.logs[i].columns == b.logs[i].columns);

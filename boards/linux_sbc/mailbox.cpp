@@ -1,5 +1,5 @@
-// The server's side of the hatch, see hatch.hpp.
-#include "boards/linux_sbc/hatch.hpp"
+// The server's side of the mailbox, see mailbox.hpp.
+#include "boards/linux_sbc/mailbox.hpp"
 
 #include <algorithm>
 #include <ctime>
@@ -16,7 +16,7 @@ void pause() {
 
 }  // namespace
 
-bus::Response Hatch::ask(std::span<const std::uint8_t> request) {
+bus::Response Mailbox::ask(std::span<const std::uint8_t> request) {
   Pdu asked;
   asked.number = ++number_;
   asked.size = std::min(request.size(), asked.bytes.size());

@@ -10,7 +10,7 @@
 
 namespace furcula::sim {
 
-struct Mystery {
+struct HiddenCase {
   model::Model model;          ///< what is believed of the machine: without the cause, the dampings free
   model::Model truth;          ///< the machine itself, the cause among its effects
   dynamics::Effect cause;      ///< the only effect of `truth`
@@ -19,6 +19,6 @@ struct Mystery {
 
 /// The same seed gives the same machine and the same logs. Any effect of the catalogue that a hopper can have
 /// is as likely as any other, in a size that a careful experimenter could find.
-Mystery draw_mystery(std::uint64_t seed);
+HiddenCase draw_hidden_case(std::uint64_t seed);
 
 }  // namespace furcula::sim

@@ -10,7 +10,7 @@
 namespace furcula::log {
 
 /// A row that nothing is learnt from.
-struct RefusedRow {
+struct RejectedRow {
   std::string log;         ///< its path
   std::size_t row = 0;     ///< among the rows after the header row, from 1
   std::uint64_t line = 0;  ///< of the file, from 1; 0: not known
@@ -21,24 +21,24 @@ struct RefusedRow {
 };
 
 /// "run02.csv row 417 height_m 9.99 (steps out of the rows around and back)"
-std::string in_words(const RefusedRow& row);
+std::string in_words(const RejectedRow& row);
 
 /// Of rows that were left out, from one log or many: how many, and the first few by name. Empty: none. `count`: how many there are, where
 /// that is more than are listed.
-std::string in_words(const std::vector<RefusedRow>& rows, std::uint64_t count = 0);
+std::string in_words(const std::vector<RejectedRow>& rows, std::uint64_t count = 0);
 
 /// What was wrong with recordings, and what was done about it.
-struct Dirt {
-  std::vector<RefusedRow> refused;
+struct DataQuality {
+  std::vector<RejectedRow> refused;
   std::vector<std::string> notes;  ///< sentences
-  struct LeftOut {
+  struct Excluded {
     std::string log, why;  ///< why goes on after the name
   };
-  std::vector<LeftOut> left_out;  ///< recordings as a whole
+  std::vector<Excluded> excluded;  ///< recordings as a whole
 };
 
 /// A line each: the rows that were refused, the notes, the recordings that were left out.
-std::vector<std::string> lines_of(const Dirt& dirt);
+std::vector<std::string> lines_of(const DataQuality& data_quality);
 
 /// Of a log's rows, more than this share cannot be left out: what is left would be another recording.
 inline constexpr double kMostRefused = 0.05;

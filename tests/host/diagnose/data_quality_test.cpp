@@ -66,9 +66,9 @@ model::Model joint_model(double inertia = 95.0) {
 TEST_CASE("Honest recordings lose no row and none of them is left out") {
   const auto d = Logs().diagnosed();
   check_friction_named(d);
-  CHECK(d.dirt.refused.empty());
-  CHECK(d.dirt.notes.empty());
-  CHECK(d.dirt.left_out.empty());
+  CHECK(d.data_quality.refused.empty());
+  CHECK(d.data_quality.notes.empty());
+  CHECK(d.data_quality.excluded.empty());
 }
 
 TEST_CASE("Two corrupt rows are named, and the cause is found as without them") {
@@ -77,11 +77,11 @@ TEST_CASE("Two corrupt rows are named, and the cause is found as without them") 
   logs.training[5].columns["height_m"][200] = 0.0;
   const auto d = logs.diagnosed();
   check_friction_named(d);
-  REQUIRE(d.dirt.refused.size() == 2);
-  CHECK(d.dirt.refused[0].log == "flight-4.csv");
-  CHECK(d.dirt.refused[0].row == 301);
-  CHECK(d.dirt.refused[0].value == 9.99);
-  CHECK(d.dirt.refused[1].log == "flight-6.csv");
+  REQUIRE(d.data_quality.refused.size() == 2);
+  CHECK(d.data_quality.refused[0].log == "flight-4.csv");
+  CHECK(d.data_quality.refused[0].row == 301);
+  CHECK(d.data_quality.refused[0].value == 9.99);
+  CHECK(d.data_quality.refused[1].log == "flight-6.csv");
   const auto json = result::to_json(diagnose::result_of(d))["data"]["rejected_samples"];
   CHECK(json[0]["column"] == "height_m");
   CHECK(json[1]["row"] == 201);
@@ -93,8 +93,8 @@ TEST_CASE("A first row of each flight that is wrong by no more than the carriage
     for (log::Log& log : *list) log.columns["height_m"][0] += 0.008;
   const auto d = logs.diagnosed();
   check_friction_named(d);
-  CHECK(d.dirt.refused.size() == 12);
-  for (const auto& r : d.dirt.refused) CHECK(r.row == 1);
+  CHECK(d.data_quality.refused.size() == 12);
+  for (const auto& r : d.data_quality.refused) CHECK(r.row == 1);
 }
 
 TEST_CASE("One row of a hundred at random does no harm") {
@@ -118,9 +118,9 @@ TEST_CASE("One recording of ten from another machine_type is said to be, and the
   logs.training[6] = test::flight_log(other, 9e-5, 99);
   const auto d = logs.diagnosed();
   check_friction_named(d);
-  REQUIRE(d.dirt.left_out.size() == 1);
-  CHECK(d.dirt.left_out[0].log == "flight-99.csv");
-  CHECK_THAT(d.dirt.left_out[0].why, Catch::Contains("disagrees with the other 9"));
+  REQUIRE(d.data_quality.excluded.size() == 1);
+  CHECK(d.data_quality.excluded[0].log == "flight-99.csv");
+  CHECK_THAT(d.data_quality.excluded[0].why, Catch::Contains("disagrees with the other 9"));
   CHECK(d.logs == 11);
 }
 
@@ -169,10 +169,10 @@ TEST_CASE("A velocity in another unit than its position's is said to be, and not
   }
   const auto d = diagnose::diagnose(joint_model(), training, held_out);
   CHECK(d.verdict == Verdict::adequate);
-  REQUIRE(d.dirt.notes.size() == 3);
-  CHECK_THAT(d.dirt.notes[0], Catch::Contains("joint-1.csv: velocity_radps is 57.") &&
-                                  Catch::Contains("degrees for radians") &&
-                                  Catch::Contains("scale = 0.0174533"));
+  REQUIRE(d.data_quality.notes.size() == 3);
+  CHECK_THAT(d.data_quality.notes[0], Catch::Contains("joint-1.csv: velocity_radps is 57.") &&
+                                          Catch::Contains("degrees for radians") &&
+                                          Catch::Contains("scale = 0.0174533"));
   CHECK_FALSE(d.extended.contains("velocity"));
 }
 

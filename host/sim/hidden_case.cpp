@@ -1,5 +1,5 @@
-// Drawing the virtual hopper, see mystery.hpp.
-#include "host/sim/mystery.hpp"
+// Drawing the virtual hopper, see hidden_case.hpp.
+#include "host/sim/hidden_case.hpp"
 
 #include <array>
 #include <cmath>
@@ -144,9 +144,9 @@ log::Log record(const model::Model& truth, int number, std::uint64_t seed, Rando
 
 }  // namespace
 
-Mystery draw_mystery(std::uint64_t seed) {
+HiddenCase draw_hidden_case(std::uint64_t seed) {
   Random random(seed, 0);
-  Mystery m;
+  HiddenCase m;
   m.model = draw_model(random);
   m.truth = m.model;
   m.truth.free.clear();

@@ -1,5 +1,5 @@
-// Refused rows in words, see refused.hpp.
-#include "host/log/refused.hpp"
+// Refused rows in words, see data_quality.hpp.
+#include "host/log/data_quality.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace furcula::log {
 
-std::string in_words(const RefusedRow& r) {
+std::string in_words(const RejectedRow& r) {
   std::string out = r.log + " row " + std::to_string(r.row);
   if (r.line != 0) out += " (line " + std::to_string(r.line) + ")";
   if (!r.column.empty()) out += " " + r.column;
@@ -19,7 +19,7 @@ std::string in_words(const RefusedRow& r) {
   return out + ": " + r.why;
 }
 
-std::string in_words(const std::vector<RefusedRow>& rows, std::uint64_t count) {
+std::string in_words(const std::vector<RejectedRow>& rows, std::uint64_t count) {
   constexpr std::size_t kShown = 3;
   if (rows.empty()) return {};
   count = std::max<std::uint64_t>(count, rows.size());
@@ -29,11 +29,11 @@ std::string in_words(const std::vector<RefusedRow>& rows, std::uint64_t count) {
   return out + (count > kShown ? "; ..." : "");
 }
 
-std::vector<std::string> lines_of(const Dirt& dirt) {
+std::vector<std::string> lines_of(const DataQuality& data_quality) {
   std::vector<std::string> lines;
-  if (!dirt.refused.empty()) lines.push_back(in_words(dirt.refused));
-  lines.insert(lines.end(), dirt.notes.begin(), dirt.notes.end());
-  for (const Dirt::LeftOut& l : dirt.left_out)
+  if (!data_quality.refused.empty()) lines.push_back(in_words(data_quality.refused));
+  lines.insert(lines.end(), data_quality.notes.begin(), data_quality.notes.end());
+  for (const DataQuality::Excluded& l : data_quality.excluded)
     lines.push_back(l.log + " " + l.why + ". It was left out, and the rest diagnosed.");
   return lines;
 }

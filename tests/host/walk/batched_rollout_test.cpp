@@ -1,5 +1,5 @@
 // Rollouts: the same in any lane and on any number of threads; their energy counted a second time; how they end.
-#include "host/walk/walkers.hpp"
+#include "host/walk/batched_rollout.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>
@@ -29,9 +29,9 @@ bool same(const Rollout& a, const Rollout& b) {
 }
 template <class F>
 Rollout watched(const RolloutOptions& options, const Parameters& walk, const F& watch) {
-  Walkers<double> walkers(robot(), robot(), options);
-  walkers.watch = watch;
-  return walkers.run_one(walk);
+  BatchedRollout<double> rollouts(robot(), robot(), options);
+  rollouts.watch = watch;
+  return rollouts.run_one(walk);
 }
 
 }  // namespace

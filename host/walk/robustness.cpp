@@ -1,4 +1,4 @@
-#include "host/walk/evidence.hpp"
+#include "host/walk/robustness.hpp"
 
 #include <atomic>
 #include <numbers>
@@ -26,9 +26,9 @@ dynamics::biped::Description heavier(dynamics::biped::Description robot, double 
   return robot;
 }
 
-Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
-                     const Parameters& walk, const std::vector<Member>& drawn, unsigned threads,
-                     const std::function<void(double)>& told) {
+Robustness robustness_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
+                         const Parameters& walk, const std::vector<Member>& drawn, unsigned threads,
+                         const std::function<void(double)>& told) {
   struct Run {
     std::string what;
     dynamics::biped::Description robot;
@@ -57,7 +57,7 @@ Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOpt
   const std::size_t changed = jobs.size();
   for (unsigned i = 0; i < kNoisy; ++i) jobs.push_back({"", robot, options, true});
 
-  Evidence out;
+  Robustness out;
   std::vector<Rollout> rollouts(jobs.size());  // and one more, the return map
   std::atomic<std::size_t> finished{0};
   core::parallel_for(jobs.size() + 1, threads, [&](std::size_t i) {
@@ -65,9 +65,9 @@ Evidence evidence_of(const dynamics::biped::Description& robot, const RolloutOpt
       out.map = return_map_of(robot, options, walk);
       return;
     }
-    Walkers<double> walkers(jobs[i].robot, robot, jobs[i].options);
-    if (jobs[i].noisy) walkers.senses = Sensors(out.errors, i - changed + 1);
-    rollouts[i] = walkers.run_one(walk);
+    BatchedRollout<double> batch(jobs[i].robot, robot, jobs[i].options);
+    if (jobs[i].noisy) batch.senses = Sensors(out.errors, i - changed + 1);
+    rollouts[i] = batch.run_one(walk);
     if (told) told(static_cast<double>(++finished) / static_cast<double>(jobs.size()));
   });
   for (std::size_t i = 0; i < changed; ++i)

@@ -1,5 +1,5 @@
 // What a walk is worth: trials that differ in what they should, and the same on any number of threads.
-#include "host/walk/evidence.hpp"
+#include "host/walk/robustness.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -13,7 +13,7 @@ using namespace furcula::walk;
 TEST_CASE("a walk is tried with finer steps, on slopes, with another mass and with sensors that err") {
   const auto robot = dynamics::biped::design();
   const Walk walk = test::found_walk();
-  const Evidence one = evidence_of(robot, {}, walk.parameters, {}, 2);
+  const Robustness one = robustness_of(robot, {}, walk.parameters, {}, 2);
   REQUIRE(one.steps.size() == 4);
   REQUIRE(one.changed.size() == 5);
   CHECK(one.changed[4].rollout.time_s == Approx(20.0));
@@ -25,7 +25,7 @@ TEST_CASE("a walk is tried with finer steps, on slopes, with another mass and wi
   CHECK(one.steps[0].rollout.steps == 10000);
   CHECK(one.steps[3].rollout.steps == 80000);
   // A robot that stands sags downhill.
-  const Evidence still = evidence_of(robot, {}, test::standing_walk(), {}, 2);
+  const Robustness still = robustness_of(robot, {}, test::standing_walk(), {}, 2);
   CHECK(still.changed[0].rollout.distance_m > still.steps[1].rollout.distance_m + 1e-3);
   CHECK(still.changed[1].rollout.distance_m < still.steps[1].rollout.distance_m - 1e-3);
   CHECK(one.noisy == 64);

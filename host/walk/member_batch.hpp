@@ -19,7 +19,7 @@ inline dynamics::tree::Mat3<double> imu_axes(const Member& m) {
 
 /// T is a number in lanes, or double.
 template <class T>
-class MemberLanes {
+class MemberBatch {
   using V = dynamics::ValueOf<T>;
   static constexpr std::size_t kRobots = control::WalkState<T>::kRobots;
 
