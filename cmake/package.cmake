@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 set_target_properties(furcula_program PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/furcula")
 install(TARGETS furcula_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program EXCLUDE_FROM_ALL)
-furcula_install_lanes(lib/furcula program)
+furcula_install_lanes(lib/furcula program furcula_program)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/models DESTINATION ${CMAKE_INSTALL_DATADIR}/furcula COMPONENT program EXCLUDE_FROM_ALL)
 if(TARGET furculad)
   install(TARGETS furculad RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program EXCLUDE_FROM_ALL)
