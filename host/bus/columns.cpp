@@ -9,7 +9,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 
 namespace furcula::bus {
 namespace {
@@ -167,10 +167,10 @@ Column parse_column(std::string_view text, const std::vector<NodeMessage>& messa
 
 ChannelPermutation arrange(std::string_view rig, const std::vector<Node>& nodes,
                            const std::vector<JointDrive>& joints, const std::vector<Column>& extra) {
-  const log::MachineType* info = log::rig_named(rig);
+  const log::MachineType* info = log::machine_type_named(rig);
   if (info == nullptr) {
     std::vector<std::string_view> names;
-    for (const log::MachineType& r : log::kRigs) names.push_back(r.name);
+    for (const log::MachineType& r : log::kMachineTypes) names.push_back(r.name);
     throw DataError("no machine type " + quoted(rig) + "; expected one of " + core::listed(names) +
                     core::did_you_mean(rig, names));
   }

@@ -16,8 +16,8 @@
 #include "host/gait/machine_file.hpp"
 #include "host/identify/split.hpp"
 #include "host/log/accept_stamps.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 #include "host/trees/joint_choice.hpp"
@@ -87,12 +87,12 @@ void require_other_file(const char* option, const std::string& path,
 
 std::vector<std::string_view> rig_names() {
   std::vector<std::string_view> names;
-  for (const log::MachineType& r : log::kRigs) names.push_back(r.name);
+  for (const log::MachineType& r : log::kMachineTypes) names.push_back(r.name);
   return names;
 }
 
 void require_rig(const std::string& name) {
-  if (log::rig_named(name) != nullptr) return;
+  if (log::machine_type_named(name) != nullptr) return;
   const std::vector<std::string_view> rigs = rig_names();
   throw UsageError("--machine " + name + ": no such machine type; expected one of " + core::listed(rigs) +
                    core::did_you_mean(name, rigs));

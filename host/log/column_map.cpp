@@ -7,7 +7,7 @@
 
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 
 namespace furcula::log {
 namespace {
@@ -122,19 +122,19 @@ std::optional<char> sign_of(const toml::table& file, const std::string& name, st
 /// A column of the rig; of any rig where the map does not say which.
 const ColumnInfo* column_of(const MachineType* rig, std::string_view name) {
   if (rig != nullptr) return rig->column(name);
-  for (const MachineType& r : kRigs)
+  for (const MachineType& r : kMachineTypes)
     if (const ColumnInfo* column = r.column(name)) return column;
   return nullptr;
 }
 
 /// The rig that the map names, or null.
-const MachineType* rig_of(const toml::table& file, const std::string& name) {
+const MachineType* machine_type_of(const toml::table& file, const std::string& name) {
   const toml::node* node = file.get("machine_type");
   if (node == nullptr) return nullptr;
   std::vector<std::string_view> rigs;
-  for (const MachineType& r : kRigs) rigs.push_back(r.name);
+  for (const MachineType& r : kMachineTypes) rigs.push_back(r.name);
   const std::string named = text(*node, name, "machine_type");
-  const MachineType* rig = rig_named(named);
+  const MachineType* rig = machine_type_named(named);
   if (rig == nullptr)
     fail(name, node->source(),
          "unknown machine type " + core::quoted(named) + "; expected one of " + core::listed(rigs) +
@@ -147,14 +147,14 @@ const MachineType* rig_of(const toml::table& file, const std::string& name) {
 ColumnMap parse_column_map(std::string_view text_of_file, const std::string& name) {
   toml::table file = core::parse_toml(text_of_file, name);
   core::rename_key(file, "rig", "machine_type");
-  const MachineType* rig = rig_of(file, name);
+  const MachineType* rig = machine_type_of(file, name);
   ColumnMap map{name, rig == nullptr ? std::string{} : std::string(rig->name), {}, {}, '.'};
 
   constexpr std::ptrdiff_t kKeys = 4;  // beside columns
   std::vector<std::string_view> known{"machine_type", "separator", "decimal", "topic"};
   for (const auto& [key, node] : file)
     if (column_of(rig, key.str()) != nullptr) known.push_back(key.str());
-  for (const MachineType& r : kRigs) {
+  for (const MachineType& r : kMachineTypes) {
     if (rig != nullptr && rig != &r) continue;
     for (const ColumnInfo& c : r.columns) known.push_back(c.name);
     for (const ColumnPattern& p : r.patterns) known.push_back(p.info.name);

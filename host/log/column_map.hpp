@@ -27,7 +27,7 @@ struct MappedColumn {
 /// Columns that it does not name are looked up under their own names.
 struct ColumnMap {
   std::string path;                             ///< where it was read from, for messages
-  std::string rig;                              ///< one of kRigs; empty: the map does not say
+  std::string rig;                              ///< one of kMachineTypes; empty: the map does not say
   std::map<std::string, MappedColumn> columns;  ///< our name -> theirs
   std::optional<char>
       separator;  ///< between columns: ',', ';', '|', a tab, or ' ' for runs of blanks; none: seen in the log

@@ -3,7 +3,7 @@
 
 #include "host/log/header_row.hpp"
 #include "host/log/layout.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 
 namespace furcula::log {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "host/log/column_map.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
 #include "host/log/record_stream.hpp"
-#include "host/log/rigs.hpp"
 
 namespace furcula::log {
 

@@ -14,8 +14,8 @@
 #include "host/core/message.hpp"
 #include "host/log/bad_rows.hpp"
 #include "host/log/layout.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/record_stream.hpp"
-#include "host/log/rigs.hpp"
 #include "host/log/row_reader.hpp"
 #include "host/log/stamp.hpp"
 #include "host/log/time_order.hpp"
@@ -29,7 +29,7 @@ struct Visited {
 };
 
 const MachineType& known_rig(const std::string& name) {
-  const MachineType* rig = rig_named(name);
+  const MachineType* rig = machine_type_named(name);
   if (rig == nullptr) throw std::invalid_argument("no machine type is called " + core::quoted(name));
   return *rig;
 }

@@ -9,7 +9,7 @@
 
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/time_order.hpp"
 
 namespace furcula::log {
@@ -395,7 +395,7 @@ std::vector<std::string> position_columns(const std::string& rig, std::span<cons
   constexpr std::string_view kPositions[]{"height_m", "position_m", "angle_rad", "pulley_angle_rad",
                                           "leg_angle_rad"};
   std::vector<std::string> found;
-  const MachineType* info = rig_named(rig);
+  const MachineType* info = machine_type_named(rig);
   if (info == nullptr) return found;
   for (const std::string& column : columns) {
     bool is = std::find(std::begin(kPositions), std::end(kPositions), column) != std::end(kPositions);

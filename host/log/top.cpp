@@ -49,9 +49,9 @@ void take_metadata(std::string_view record, const RecordStream& records, const W
   if (key == "machine_type" && wanted != nullptr && value != wanted->rig().name)
     throw core::DataError(place(records) + "machine_type is " + core::quoted(value) + "; expected " +
                           std::string(wanted->rig().name) + ", as the model, the map or --machine says");
-  if (key == "machine_type" && rig_named(value) == nullptr) {
+  if (key == "machine_type" && machine_type_named(value) == nullptr) {
     std::vector<std::string_view> rigs;
-    for (const MachineType& r : kRigs) rigs.push_back(r.name);
+    for (const MachineType& r : kMachineTypes) rigs.push_back(r.name);
     throw core::DataError(place(records) + "machine_type is " + core::quoted(value) + "; expected one of " +
                           core::listed(rigs) + core::did_you_mean(value, rigs));
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/log/column_map.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 
 namespace furcula::log {
 

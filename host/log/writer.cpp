@@ -8,7 +8,7 @@
 
 #include "host/core/atomic_file.hpp"
 #include "host/core/message.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 
 namespace furcula::log {
 namespace {
@@ -60,7 +60,7 @@ std::string format_log(const Log& log, Comments comments) {
     out += header_field(name);
     columns.push_back(&values);
   };
-  const MachineType* rig = rig_named(log.rig);
+  const MachineType* rig = machine_type_named(log.rig);
   if (rig == nullptr) throw std::invalid_argument("no machine type is called " + core::quoted(log.rig));
   for (const ColumnInfo& c : rig->columns)
     if (const auto found = log.columns.find(std::string(c.name)); found != log.columns.end())

@@ -74,7 +74,7 @@ struct Reach {
   double speed = 0.0;
 };
 
-/// The columns of its logs (host/log/rigs.hpp) by what they are; empty: there is none.
+/// The columns of its logs (host/log/machine_types.hpp) by what they are; empty: there is none.
 struct Columns {
   std::string_view position;
   std::string_view velocity{};

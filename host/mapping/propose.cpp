@@ -13,8 +13,8 @@
 #include "host/core/message.hpp"
 #include "host/identify/conventions.hpp"
 #include "host/identify/recording.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/machines/rules.hpp"
 #include "host/mapping/names.hpp"
 #include "host/mapping/raw_log.hpp"
@@ -448,7 +448,7 @@ Proposal propose(const std::string& path, const model::Model& model) {
   out.log = path;
   out.rig = dynamics::info(model.kind).rig;
   const auto required = [&](std::string_view name) {
-    const log::ColumnInfo* c = log::rig_named(out.rig)->column(name);
+    const log::ColumnInfo* c = log::machine_type_named(out.rig)->column(name);
     return c != nullptr && c->required;
   };
   std::vector<std::vector<Slot>> kinds;

@@ -10,8 +10,8 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/mapping/names.hpp"
 
 namespace furcula::mapping {
@@ -25,7 +25,7 @@ log::ColumnMap reading_map(const std::string& rig, const std::vector<std::string
                            const log::MappedColumn& time) {
   log::ColumnMap map;
   map.all_topics = true;
-  for (const log::ColumnInfo& c : log::rig_named(rig)->columns)
+  for (const log::ColumnInfo& c : log::machine_type_named(rig)->columns)
     if (c.required && std::find(columns.begin(), columns.end(), c.name) == columns.end())
       map.columns[std::string(c.name)] = {};
   map.columns["time_s"] = time;
@@ -153,7 +153,7 @@ RawLog read_raw(const std::string& path) {
   out.columns = header_of(path, rig);
   // Of another rig's log, those that it must have, too.
   if (rig != "tree")
-    for (const log::ColumnInfo& c : log::rig_named(rig)->columns)
+    for (const log::ColumnInfo& c : log::machine_type_named(rig)->columns)
       if (c.required && std::find(out.columns.begin(), out.columns.end(), c.name) == out.columns.end())
         out.columns.emplace_back(c.name);
   std::string unit;

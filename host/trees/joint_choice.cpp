@@ -11,7 +11,7 @@
 
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/model/urdf_filter.hpp"
 #include "host/trees/joint_names.hpp"
 #include "host/trees/model.hpp"

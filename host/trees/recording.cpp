@@ -9,7 +9,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/linear/linear.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 
 namespace furcula::trees {
 namespace {

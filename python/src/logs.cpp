@@ -16,8 +16,8 @@
 #include "host/log/accept_stamps.hpp"
 #include "host/log/column_map.hpp"
 #include "host/log/data_quality.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/log/writer.hpp"
 #include "python/src/bindings.hpp"
 
@@ -25,9 +25,9 @@ namespace furcula::python {
 namespace {
 
 void require_rig(const std::string& rig) {
-  if (rig.empty() || log::rig_named(rig) != nullptr) return;
+  if (rig.empty() || log::machine_type_named(rig) != nullptr) return;
   std::vector<std::string_view> names;
-  for (const log::MachineType& r : log::kRigs) names.push_back(r.name);
+  for (const log::MachineType& r : log::kMachineTypes) names.push_back(r.name);
   throw core::DataError("machine_type = " + core::quoted(rig) + ": no such machine; expected one of " +
                         core::listed(names) + core::did_you_mean(rig, names));
 }

@@ -10,8 +10,8 @@
 #include "host/core/message.hpp"
 #include "host/log/column_map.hpp"
 #include "host/log/data_quality.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/mapping/propose.hpp"
 #include "host/traces/of_axis.hpp"
 #include "host/traces/of_tree.hpp"
@@ -41,7 +41,7 @@ py::dict check(const std::string& path, const Model* model, const std::string& m
     if (rig.empty() && map) rig = map->rig;
     if (rig.empty()) rig = log::rig_line(path, used);
     if (rig.empty()) throw core::DataError(log::no_rig(path));
-    if (log::rig_named(rig) == nullptr)
+    if (log::machine_type_named(rig) == nullptr)
       throw core::DataError("machine_type = " + core::quoted(rig) + ": no such machine");
     s = log::check_log(path, rig, used);
     if (!s.stamps.fatal().empty()) throw core::DataError(s.stamps.fatal());

@@ -1,6 +1,6 @@
 // The log reader. The rig is that of the input's `# machine_type:` line, of a bag tree, else the hopper.
+#include "host/log/machine_types.hpp"
 #include "host/log/reader.hpp"
-#include "host/log/rigs.hpp"
 #include "host/log/writer.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -8,7 +8,7 @@ namespace furcula::fuzz {
 
 bool accepts(std::string_view input) {
   std::string rig = "hopper";
-  for (const log::MachineType& r : log::kRigs)
+  for (const log::MachineType& r : log::kMachineTypes)
     if (input.find("# machine_type: " + std::string(r.name) + "\n") != input.npos) rig = r.name;
   if (input.starts_with("\x89MCAP")) rig = "tree";
   log::Log log;

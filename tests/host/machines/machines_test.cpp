@@ -5,7 +5,7 @@
 #include "furcula/dynamics/effects/catalogue.hpp"
 #include "host/diagnose/diagnose.hpp"
 #include "host/identify/identification.hpp"
-#include "host/log/rigs.hpp"
+#include "host/log/machine_types.hpp"
 #include "host/machines/rules.hpp"
 #include "host/model/reader.hpp"
 #include "host/sim/simulate.hpp"
@@ -30,7 +30,7 @@ TEST_CASE("The list's order is that of the kinds, and no two machines have one n
 
 TEST_CASE("The columns that a machine's recordings are made of are those of its rig") {
   for (const dynamics::MachineInfo& machine : dynamics::kMachines) {
-    const log::MachineType* rig = log::rig_named(machine.rig);
+    const log::MachineType* rig = log::machine_type_named(machine.rig);
     CAPTURE(std::string(machine.name));
     REQUIRE(rig != nullptr);
     const machines::Columns& c = machines::rules(machine.kind).columns;

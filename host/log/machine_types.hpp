@@ -1,4 +1,4 @@
-// The rigs whose logs can be read, and their columns (docs/contracts.md, section 1): the one table of them.
+// The machine types whose logs can be read, and their columns (docs/contracts.md, section 1): the one table of them.
 #pragma once
 
 #include <array>
@@ -130,7 +130,7 @@ struct MachineType {
   }
 };
 
-inline constexpr std::array<MachineType, 6> kRigs{{
+inline constexpr std::array<MachineType, 6> kMachineTypes{{
     {"hopper", kHopperColumns},
     {"rail_carriage", kRailCarriageColumns},
     {"motor_axis", kMotorAxisColumns},
@@ -139,8 +139,8 @@ inline constexpr std::array<MachineType, 6> kRigs{{
     {"tree", kTreeFixedColumns, kTreeColumns},
 }};
 
-constexpr const MachineType* rig_named(std::string_view name) {
-  for (const MachineType& r : kRigs)
+constexpr const MachineType* machine_type_named(std::string_view name) {
+  for (const MachineType& r : kMachineTypes)
     if (r.name == name) return &r;
   return nullptr;
 }
