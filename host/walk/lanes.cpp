@@ -3,11 +3,20 @@
 #include "host/walk/batched_rollout.hpp"
 
 namespace furcula::walk {
+namespace {
+
+#ifdef __AVX512F__
+constexpr std::size_t kLanes = 16;
+#else
+constexpr std::size_t kLanes = 8;
+#endif
+
+}  // namespace
 
 void run_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,
                const RolloutOptions& options, std::span<const Job> jobs, std::atomic<std::size_t>& next,
                std::span<Rollout> out) {
-  using SimdBatch = BatchedRollout<dynamics::SimdBatch<float, 8>>;
+  using SimdBatch = BatchedRollout<dynamics::SimdBatch<float, kLanes>>;
   SimdBatch rollouts =
       members.empty() ? SimdBatch(robot, robot, options) : SimdBatch(members, robot, options);
   rollouts.run(

@@ -1,5 +1,5 @@
-// Rollouts in lanes: eight robots at once, in float. A shared library of its own, built twice: for every x86-64, and for processors with
-// AVX2 (x86-64-v3), which the dynamic linker takes by itself where it can (its folder glibc-hwcaps). Both give the same bits.
+// Rollouts in lanes: eight robots at once, sixteen with AVX-512, in float. A shared library of its own, built for several kinds of x86-64
+// (furcula_lanes in host/CMakeLists.txt): the dynamic linker takes the one for the processor. All give the same bits.
 #pragma once
 
 #include <atomic>
