@@ -51,16 +51,14 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
                             const std::vector<Window>& windows, const IdentifyOptions& options) {
   constexpr std::size_t kLooked = 12;
   const std::vector<Window> some = some_of(windows, kLooked);
-  const auto cost = [&](const Machine& m) {
-    Point p{m, {}, std::vector<Local>(some.size(), Local::Zero())};
-    return robust(some, fit_locals(recordings, some, first_variances(), true, p, options.settings));
-  };
-  Machine best = model;
-  double least = cost(model);
+  Point best{model, {}, std::vector<Local>(some.size(), Local::Zero())};
+  double least = robust(some, fit_locals(recordings, some, first_variances(), best, options.settings));
+  // Each begins where the windows of the best so far ended, so that costs differ by the machine and not by where a fit comes to rest.
   const auto attempt = [&](const Machine& m) {
-    const double now = cost(m);
+    Point p{m, {}, best.locals};
+    const double now = robust(some, refit_locals(recordings, some, first_variances(), p, options.settings));
     if (!(now < least)) return false;
-    best = m, least = now;
+    best = std::move(p), least = now;
     return true;
   };
   for (const double stiffer : {3.0, 10.0}) {
@@ -71,15 +69,15 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
     if (!attempt(m)) break;
   }
   for (const double ramp_radps : {0.01, 0.003}) {
-    Machine m = best;
+    Machine m = best.machine;
     m.robot.creep_radps = ramp_radps;
     biped::make_possible(model, m);
     if (!attempt(m)) break;
   }
-  return best;
+  return best.machine;
 }
 
-/// Gauss and Newton's method, damped, from a model on.
+/// Gauss and Newton's method, damped, from a model on. Derivatives by all unknowns are most of its time, so they are kept as long as steps gain.
 class Fit {
  public:
   Fit(const Machine& model, std::vector<Unknown> unknowns, const std::vector<Recording>& recordings,
@@ -91,14 +89,14 @@ class Fit {
         settings_(settings),
         point_(at(model_, unknowns_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size())),
                   std::vector<Local>(windows.size(), Local::Zero()))) {
-    costs_ = fit_locals(recordings_, windows_, variances_, true, point_, settings_);
+    costs_ = fit_locals(recordings_, windows_, variances_, point_, settings_);
     cost_ = robust(windows_, costs_);
     linearise();
     precision_ = Eigen::MatrixXd::Identity(point_.theta.size(), point_.theta.size());
   }
 
   const Point& point() const { return point_; }
-  /// About the point where the last step began.
+  /// Derivatives where the last steps began, about where they ended.
   const std::vector<LinearWindow>& linear() const { return linear_; }
   Eigen::VectorXd sd() const {
     return precision_.llt()
@@ -107,13 +105,22 @@ class Fit {
         .cwiseSqrt();
   }
 
-  /// Whether there may be a further one.
-  bool step() {
+  /// Steps along the same derivatives, as long as they gain. @returns whether new ones may gain.
+  bool improve() {
+    constexpr int kMost = 4;
     if (moved_) linearise();
+    for (int k = 0; k < kMost; ++k)
+      if (!step()) return k > 0;
+    return true;
+  }
+
+ private:
+  /// Whether it gained much.
+  bool step() {
     std::vector<double> weights(windows_.size());
     for (std::size_t w = 0; w < windows_.size(); ++w)
       weights[w] = (kFreedom + rows_of(windows_[w])) / (kFreedom + costs_[w]);
-    const Evidence e = evidence(linear_, variances_, weights, settings_.threads);
+    const Evidence e = evidence(linear_, marginals_, weights);
     precision_ = e.information;
     precision_.diagonal().array() += 1.0;
     for (int attempt = 0; attempt < 4; ++attempt, damping_ *= 10.0) {
@@ -121,22 +128,32 @@ class Fit {
       damped.diagonal() *= 1.0 + damping_;
       const Eigen::VectorXd theta = point_.theta + damped.llt().solve(e.score - precision_ * point_.theta);
       Point there = at(model_, unknowns_, theta, point_.locals);
-      there.locals = locals_at(linear_, variances_, there.theta, point_.locals);
-      const std::vector<double> then =
-          fit_locals(recordings_, windows_, variances_, false, there, settings_, 3);
+      there.locals = locals_at(linear_, marginals_, there.theta, point_.locals);
+      const std::vector<Moved> moved =
+          fit_locals_along(recordings_, windows_, linear_, marginals_, costs_, variances_, there, settings_);
+      std::vector<double> then;
+      for (const Moved& m : moved) then.push_back(m.cost);
       const double now = robust(windows_, then) + there.theta.squaredNorm();
       if (!(now < cost_)) continue;
       const double gain = cost_ - now;
       cost_ = now, costs_ = then, point_ = std::move(there), moved_ = true;
       damping_ *= 0.1;
+      for (std::size_t w = 0; w < windows_.size(); ++w) about(linear_[w], moved[w].residual, point_, w);
       return gain >= 1e-3 * std::abs(cost_);
     }
     return false;
   }
 
- private:
+  /// The same derivatives about another point.
+  static void about(LinearWindow& l, const Eigen::VectorXd& residual, const Point& point, std::size_t w) {
+    l.y = residual + l.a * point.theta;
+    for (Eigen::Index k = 0; k < l.c.cols(); ++k)
+      l.y += l.c.col(k) * point.locals[w][static_cast<Eigen::Index>(l.locals[static_cast<std::size_t>(k)])];
+  }
+
   void linearise() {
-    linear_ = linearised(recordings_, windows_, unknowns_, point_, true, settings_);
+    linear_ = linearised(recordings_, windows_, variances_, unknowns_, point_, settings_);
+    marginals_ = marginals(linear_, variances_, settings_.threads);
     moved_ = false;
   }
 
@@ -149,6 +166,7 @@ class Fit {
   Point point_;
   std::vector<double> costs_;
   std::vector<LinearWindow> linear_;
+  std::vector<Marginal> marginals_;
   Eigen::MatrixXd precision_;
   double cost_ = 0.0, damping_ = 1e-2;
   bool moved_ = false;
@@ -161,16 +179,16 @@ WindowErrors window_errors(const Machine& machine, const std::vector<Recording>&
   const std::vector<Window> windows = all_windows(recordings, options.window_s);
   Variances v = first_variances();
   for (const int g : {kTorque, kForceAcross, kForceUp, kMomentAcross, kMomentUp})
-    v.local[static_cast<std::size_t>(g)] *= 1e-8;
+    v.local[static_cast<std::size_t>(g)] = 0.0;
   Point p{machine, {}, std::vector<Local>(windows.size(), Local::Zero())};
-  fit_locals(recordings, windows, v, true, p, options.settings);
+  fit_locals(recordings, windows, v, p, options.settings);
   const Plant plant = plant_of(machine);
   WindowErrors out;
   out.windows = windows.size();
   out.predicted.resize(windows.size());
   core::parallel_for(windows.size(), options.settings.threads, [&](std::size_t w) {
-    const Variant here{&machine, &plant};
-    out.predicted[w] = {windows[w], residuals(recordings[windows[w].recording], windows[w], p.locals[w],
+    const Variant here{&machine, &plant, p.locals[w].data()};
+    out.predicted[w] = {windows[w], residuals(recordings[windows[w].recording], windows[w],
                                               std::span(&here, 1), options.settings.step_s)};
   });
   std::array<double, kNoiseGroups> sum{};
@@ -200,7 +218,7 @@ bool passive_hips(const Machine& model, const Recording& recording, const Identi
     const std::vector<Window> windows = all_windows(one, options.window_s);
     const std::vector<Window> some = some_of(windows, kLooked);
     Point p{model, {}, std::vector<Local>(some.size(), Local::Zero())};
-    cost[passive] = robust(some, fit_locals(one, some, first_variances(), true, p, options.settings, 0));
+    cost[passive] = robust(some, fit_locals(one, some, first_variances(), p, options.settings, 1));
   }
   return cost[1] < cost[0];
 }
@@ -228,7 +246,7 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
              estimated(fit.linear(), first_variances(), options.settings.threads), options.settings.threads);
   for (bool further = true; further && out.iterations < options.iterations; ++out.iterations) {
     say(0.3 + 0.6 * out.iterations / options.iterations, "fitting all numbers");
-    further = fit.step();
+    further = fit.improve();
   }
   out.theta = fit.point().theta;
   out.machine = fit.point().machine;

@@ -8,15 +8,8 @@
 namespace furcula::floating {
 namespace {
 
-/// A window's rows and columns in units of their standard deviations.
-struct Scaled {
-  Eigen::VectorXd row_sd, local_sd;
-  Eigen::MatrixXd c;
-  Eigen::LLT<Eigen::MatrixXd> m;  ///< 1 + C' C
-};
-
-Scaled scaled(const LinearWindow& w, const Variances& v) {
-  Scaled s;
+Marginal scaled(const LinearWindow& w, const Variances& v) {
+  Marginal s;
   s.row_sd.resize(w.y.size());
   for (Eigen::Index k = 0; k < w.y.size(); ++k)
     s.row_sd[k] = std::sqrt(v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)]);
@@ -30,14 +23,120 @@ Scaled scaled(const LinearWindow& w, const Variances& v) {
   return s;
 }
 
-}  // namespace
+/// One window's own unknowns, by Levenberg and Marquardt's method. Derivatives cost some fifty times what a step along them does, so they are kept as
+/// long as steps gain.
+class WindowFit {
+ public:
+  WindowFit(const Recording& recording, const Window& window, const Variances& variances,
+            const Machine& machine, const Plant& plant, double step_s, const Local& start)
+      : recording_(recording),
+        window_(window),
+        variances_(variances),
+        machine_(machine),
+        plant_(plant),
+        step_s_(step_s),
+        x_(start) {
+    for (std::size_t k = 0; k < kRowSize; ++k) row_sd_[k] = std::sqrt(variances.noise[noise_of(k)]);
+    const Eigen::MatrixXd r = residuals_at({&x_, 1});
+    residual_ = r.col(0);
+    cost_ = cost_of(x_, residual_);
+  }
 
-Variances first_variances() {
-  Variances v;
-  v.noise = {1e-3 * 1e-3, 2e-3 * 2e-3, 4e-2 * 4e-2};
-  for (std::size_t g = 0; g < kLocalGroups; ++g) v.local[g] = kLocalSd[g] * kLocalSd[g];
-  return v;
-}
+  const Local& locals() const { return x_; }
+  double cost() const { return cost_; }
+  const Eigen::VectorXd& residual() const { return residual_; }
+
+  /// Until a step along derivatives that were taken where it begins gains little, or they were taken so many times.
+  void improve(int derivatives) {
+    for (int k = 0; k < derivatives; ++k)
+      if (const LinearWindow l = linearised(recording_, window_, variances_, machine_, plant_, x_, step_s_);
+          !along(l, scaled(l, variances_)))
+        return;
+  }
+
+  /// Steps along the same derivatives, as long as they gain much. @returns whether there was more than one.
+  bool along(const LinearWindow& linear, const Marginal& s) {
+    constexpr int kMost = 8;
+    for (int k = 0; k < kMost; ++k) {
+      double gain = step(linear, s);
+      // Where derivatives are taken the cost falls along the steepest descent, however short the step.
+      for (; k == 0 && gain == 0.0 && damping_ < kMostDamping; gain = step(linear, s)) {
+      }
+      if (!(gain > kLittle * cost_)) return k > 0;
+    }
+    return true;
+  }
+
+ private:
+  /// Times the damping of the step before: tried at once, in lanes.
+  static constexpr std::array<double, 4> kDampings{0.1, 1.0, 10.0, 100.0};
+  static constexpr double kLittle = 1e-3, kLeastDamping = 1e-6, kMostDamping = 1e4;
+
+  /// @returns what it gained.
+  double step(const LinearWindow& linear, const Marginal& s) {
+    const auto n = s.c.cols();
+    Eigen::VectorXd z(n);
+    for (Eigen::Index k = 0; k < n; ++k) z[k] = x_[of(linear, k)] / s.local_sd[k];
+    const Eigen::VectorXd gradient = s.c.transpose() * residual_.cwiseQuotient(s.row_sd) - z;
+    const Eigen::MatrixXd normal = s.m.reconstructedMatrix();
+    std::array<Local, kDampings.size()> tried;
+    tried.fill(x_);
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      Eigen::MatrixXd damped = normal;
+      damped.diagonal() *= 1.0 + std::max(kLeastDamping, kDampings[i] * damping_);
+      const Eigen::VectorXd to = s.local_sd.cwiseProduct(damped.llt().solve(gradient));
+      for (Eigen::Index k = 0; k < n; ++k) tried[i][of(linear, k)] += to[k];
+    }
+    const Eigen::MatrixXd r = residuals_at(tried);
+    double least = cost_;
+    std::size_t best = kDampings.size() - 1;
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      const Eigen::VectorXd residual = r.col(static_cast<Eigen::Index>(i));
+      if (const double now = cost_of(tried[i], residual); now < least)
+        least = now, x_ = tried[i], residual_ = residual, best = i;
+    }
+    damping_ = std::max(kLeastDamping, kDampings[best] * damping_);
+    const double gain = cost_ - least;
+    cost_ = least;
+    return gain;
+  }
+
+  static Eigen::Index of(const LinearWindow& linear, Eigen::Index k) {
+    return static_cast<Eigen::Index>(linear.locals[static_cast<std::size_t>(k)]);
+  }
+
+  Eigen::MatrixXd residuals_at(std::span<const Local> locals) const {
+    std::vector<Variant> variants;
+    for (const Local& x : locals) variants.push_back({&machine_, &plant_, x.data()});
+    return residuals(recording_, window_, variants, step_s_);
+  }
+
+  double cost_of(const Local& x, const Eigen::VectorXd& residual) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < kLocals; ++k) {
+      const double at = x[static_cast<Eigen::Index>(k)], variance = variances_.local[group_of(k)];
+      if (variance > 0.0) sum += at * at / variance;
+    }
+    for (Eigen::Index k = 0; k < residual.size(); ++k) {
+      const double at = residual[k] / row_sd_[static_cast<std::size_t>(k) % kRowSize];
+      sum += at * at;
+    }
+    return std::isfinite(sum) ? sum : 1e300;
+  }
+
+  const Recording& recording_;
+  const Window& window_;
+  const Variances& variances_;
+  const Machine& machine_;
+  const Plant& plant_;
+  double step_s_;
+  std::array<double, kRowSize> row_sd_{};
+  Local x_;
+  Eigen::VectorXd residual_;
+  double cost_ = 0.0, damping_ = 1e-2;
+};
+
+}  // namespace
 
 Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads) {
   constexpr int kIterations = 20;
@@ -108,94 +207,85 @@ Variances estimated(const std::vector<LinearWindow>& windows, const Variances& f
 }
 
 std::vector<double> fit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
-                               const Variances& v, bool from_scratch, Point& point, const Settings& settings,
-                               int steps) {
+                               const Variances& v, Point& point, const Settings& settings, int derivatives) {
+  constexpr int kEach = 3;  // from each start
   const Plant plant = plant_of(point.machine);
   std::vector<double> out(windows.size());
   core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
     const Recording& recording = recordings[windows[w].recording];
-    const std::vector<Window> one{windows[w]};
-    Eigen::VectorXd row_sd(kRowSize);
-    for (std::size_t k = 0; k < kRowSize; ++k)
-      row_sd[static_cast<Eigen::Index>(k)] = std::sqrt(v.noise[noise_of(k)]);
-    Local local_sd;
-    for (std::size_t k = 0; k < kLocals; ++k)
-      local_sd[static_cast<Eigen::Index>(k)] = std::sqrt(v.local[static_cast<std::size_t>(group_of(k))]);
-    const Variant here{&point.machine, &plant};
-    const auto cost = [&](const Local& x) {
-      const Eigen::MatrixXd r = residuals(recording, one[0], x, std::span(&here, 1), settings.step_s);
-      double sum = x.cwiseQuotient(local_sd).squaredNorm();
-      for (Eigen::Index k = 0; k < r.rows(); k += kRowSize)
-        sum += r.col(0).segment(k, kRowSize).cwiseQuotient(row_sd).squaredNorm();
-      return std::isfinite(sum) ? sum : 1e300;
-    };
-    struct Run {
-      Local x;
-      double cost, damping = 1e-2;
-    };
-    const auto improve = [&](Run& run, int most) {
-      Point p{point.machine, {}, {run.x}};
-      const std::vector<Recording>& all = recordings;
-      Settings single = settings;
-      single.threads = 1;
-      for (int n = 0; n < most; ++n) {
-        p.locals[0] = run.x;
-        const LinearWindow l = std::move(linearised(all, one, {}, p, false, single).front());
-        const Scaled s = scaled(l, v);
-        const Eigen::MatrixXd normal = s.m.reconstructedMatrix();
-        Eigen::VectorXd z(s.c.cols());
-        for (Eigen::Index k = 0; k < z.size(); ++k)
-          z[k] = run.x[static_cast<Eigen::Index>(l.locals[static_cast<std::size_t>(k)])] / s.local_sd[k];
-        const Eigen::VectorXd gradient = s.c.transpose() * l.y.cwiseQuotient(s.row_sd) - normal * z;
-        bool better = false;
-        double gain = 0.0;
-        for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-          Eigen::MatrixXd m = normal;
-          m.diagonal() *= 1.0 + run.damping;
-          const Eigen::VectorXd step = m.llt().solve(gradient);
-          Local x = run.x;
-          for (Eigen::Index k = 0; k < z.size(); ++k)
-            x[static_cast<Eigen::Index>(l.locals[static_cast<std::size_t>(k)])] += step[k] * s.local_sd[k];
-          const double now = cost(x);
-          if (now < run.cost) {
-            gain = run.cost - now;
-            run.x = x, run.cost = now, better = true;
-            run.damping = std::max(1e-6, 0.1 * run.damping);
-          } else {
-            run.damping *= 10.0;
-          }
-        }
-        if (!better || gain < 1e-3 * run.cost) break;
-      }
-    };
-    std::vector<Run> runs;
-    if (from_scratch) {
-      const std::array<double, 2> flat = flat_foot(recording, one[0], point.machine, plant);
-      for (const double share : {0.0, 1.0}) {
-        Run run{Local::Zero(), 0.0};
-        run.x[1] = share * flat[0], run.x[2] = share * flat[1];
-        run.cost = cost(run.x);
-        improve(run, 3);
-        runs.push_back(run);
-      }
-    } else {
-      runs.push_back({point.locals[w], cost(point.locals[w])});
+    const std::array<double, 2> flat = flat_foot(recording, windows[w], point.machine, plant);
+    std::vector<WindowFit> fits;
+    for (const double share : {0.0, 1.0}) {
+      Local start = Local::Zero();
+      start[1] = share * flat[0], start[2] = share * flat[1];
+      fits.emplace_back(recording, windows[w], v, point.machine, plant, settings.step_s, start);
+      fits.back().improve(std::min(kEach, derivatives));
+      if (fits.back().cost() < static_cast<double>(fits.back().residual().size()))
+        break;  // noise leaves more
     }
-    Run& best = *std::min_element(runs.begin(), runs.end(),
-                                  [](const Run& a, const Run& b) { return a.cost < b.cost; });
-    improve(best, steps);
-    point.locals[w] = best.x;
-    out[w] = best.cost;
+    WindowFit& best = fits.back().cost() < fits.front().cost() ? fits.back() : fits.front();
+    best.improve(derivatives - kEach);
+    point.locals[w] = best.locals();
+    out[w] = best.cost();
   });
   return out;
 }
 
-std::vector<Local> locals_at(const std::vector<LinearWindow>& windows, const Variances& variances,
+std::vector<double> refit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                                 const Variances& v, Point& point, const Settings& settings) {
+  constexpr int kDerivatives = 6;
+  const Plant plant = plant_of(point.machine);
+  std::vector<double> out(windows.size());
+  core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
+    WindowFit fit(recordings[windows[w].recording], windows[w], v, point.machine, plant, settings.step_s,
+                  point.locals[w]);
+    fit.improve(kDerivatives);
+    point.locals[w] = fit.locals();
+    out[w] = fit.cost();
+  });
+  return out;
+}
+
+std::vector<Moved> fit_locals_along(const std::vector<Recording>& recordings,
+                                    const std::vector<Window>& windows,
+                                    const std::vector<LinearWindow>& nearby,
+                                    const std::vector<Marginal>& marginals, const std::vector<double>& before,
+                                    const Variances& v, Point& point, const Settings& settings) {
+  constexpr int kDerivatives = 1;
+  const Plant plant = plant_of(point.machine);
+  std::vector<Moved> out(windows.size());
+  core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
+    WindowFit fit(recordings[windows[w].recording], windows[w], v, point.machine, plant, settings.step_s,
+                  point.locals[w]);
+    fit.along(nearby[w], marginals[w]);
+    if (!(fit.cost() < before[w])) fit.improve(kDerivatives);
+    point.locals[w] = fit.locals();
+    out[w] = {fit.residual(), fit.cost()};
+  });
+  return out;
+}
+
+std::vector<Marginal> marginals(const std::vector<LinearWindow>& windows, const Variances& variances,
+                                unsigned threads) {
+  std::vector<Marginal> out(windows.size());
+  core::parallel_for(windows.size(), threads, [&](std::size_t w) {
+    Marginal& s = out[w] = scaled(windows[w], variances);
+    const Eigen::MatrixXd a = s.row_sd.cwiseInverse().asDiagonal() * windows[w].a;
+    // L^-1 C' A, so that what is subtracted is a square.
+    s.ca = s.m.matrixL().solve(s.c.transpose() * a);
+    s.information = Eigen::MatrixXd::Zero(a.cols(), a.cols());
+    s.information.selfadjointView<Eigen::Lower>().rankUpdate(a.transpose());
+    s.information.selfadjointView<Eigen::Lower>().rankUpdate(s.ca.transpose(), -1.0);
+  });
+  return out;
+}
+
+std::vector<Local> locals_at(const std::vector<LinearWindow>& windows, const std::vector<Marginal>& marginals,
                              const Eigen::VectorXd& theta, const std::vector<Local>& from) {
   std::vector<Local> out = from;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const LinearWindow& l = windows[w];
-    const Scaled s = scaled(l, variances);
+    const Marginal& s = marginals[w];
     const Eigen::VectorXd x =
         s.local_sd.cwiseProduct(s.m.solve(s.c.transpose() * (l.y - l.a * theta).cwiseQuotient(s.row_sd)));
     for (Eigen::Index k = 0; k < x.size(); ++k)
@@ -204,32 +294,16 @@ std::vector<Local> locals_at(const std::vector<LinearWindow>& windows, const Var
   return out;
 }
 
-Evidence evidence(const std::vector<LinearWindow>& windows, const Variances& variances,
-                  const std::vector<double>& weights, unsigned threads) {
+Evidence evidence(const std::vector<LinearWindow>& windows, const std::vector<Marginal>& marginals,
+                  const std::vector<double>& weights) {
   const auto n = windows.front().a.cols();
-  // As many sums whatever the threads: the same bits.
-  std::vector<Evidence> parts(std::min<std::size_t>(8, windows.size()));
-  core::parallel_for(parts.size(), threads, [&](std::size_t part) {
-    Evidence& e = parts[part];
-    e.information = Eigen::MatrixXd::Zero(n, n);
-    e.score = Eigen::VectorXd::Zero(n);
-    for (std::size_t w = part; w < windows.size(); w += parts.size()) {
-      const LinearWindow& l = windows[w];
-      const Scaled s = scaled(l, variances);
-      const Eigen::VectorXd y = l.y.cwiseQuotient(s.row_sd);
-      const Eigen::MatrixXd a = s.row_sd.cwiseInverse().asDiagonal() * l.a;
-      // L^-1 C' (a, y), so that what is subtracted is a square.
-      const Eigen::MatrixXd ca = s.m.matrixL().solve(s.c.transpose() * a);
-      const Eigen::VectorXd cy = s.m.matrixL().solve(s.c.transpose() * y);
-      e.information.selfadjointView<Eigen::Lower>().rankUpdate(a.transpose(), weights[w]);
-      e.information.selfadjointView<Eigen::Lower>().rankUpdate(ca.transpose(), -weights[w]);
-      e.score += weights[w] * (a.transpose() * y - ca.transpose() * cy);
-    }
-  });
-  Evidence out = parts.front();
-  for (std::size_t k = 1; k < parts.size(); ++k) {
-    out.information += parts[k].information;
-    out.score += parts[k].score;
+  Evidence out{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const Marginal& s = marginals[w];
+    const Eigen::VectorXd y = windows[w].y.cwiseQuotient(s.row_sd),
+                          cy = s.m.matrixL().solve(s.c.transpose() * y);
+    out.information += weights[w] * s.information;
+    out.score += weights[w] * (windows[w].a.transpose() * y.cwiseQuotient(s.row_sd) - s.ca.transpose() * cy);
   }
   out.information = Eigen::MatrixXd(out.information.selfadjointView<Eigen::Lower>());
   return out;

@@ -9,15 +9,19 @@
 
 namespace furcula::floating {
 
-struct Variances {
-  std::array<double, kNoiseGroups> noise{};
-  std::array<double, kLocalGroups> local{};
-};
-Variances first_variances();
-
 /// Those with which the windows are most likely with the machine as it is, by expectation and maximisation from `from` on. They hold what
 /// the machine does not explain, so that what is found beyond them stands out of the windows' own scatter.
 Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads);
+
+/// A window's own unknowns integrated out: what of it does not hang on where it is.
+struct Marginal {
+  Eigen::VectorXd row_sd, local_sd;  ///< of `y`, of `locals`
+  Eigen::MatrixXd c;                 ///< of the window, rows and columns in these
+  Eigen::LLT<Eigen::MatrixXd> m;     ///< 1 + c' c
+  Eigen::MatrixXd information, ca;   ///< of theta, the lower half; L^-1 c' a, where L L' is m
+};
+std::vector<Marginal> marginals(const std::vector<LinearWindow>& windows, const Variances& variances,
+                                unsigned threads);
 
 /// What the windows say of theta: information and score.
 struct Evidence {
@@ -25,18 +29,34 @@ struct Evidence {
   Eigen::VectorXd score;
 };
 
-/// Moves each window's own unknowns to where they are likeliest, the machine held: Levenberg and Marquardt's method from the attitude filter and from a flat stance foot, or from where they are.
-/// @returns per window the sum of squares there, rows and unknowns in their standard deviations.
+/// Moves each window's own unknowns to where they are likeliest, the machine held: Levenberg and Marquardt's method from the attitude filter and from a
+/// flat stance foot, whichever ends likelier; of `derivatives` at most. @returns per window the sum of squares there, rows and unknowns in their standard deviations.
 std::vector<double> fit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
-                               const Variances& variances, bool from_scratch, Point& point,
-                               const Settings& settings, int steps = 12);
+                               const Variances& variances, Point& point, const Settings& settings,
+                               int derivatives = 15);
+
+/// The same from where they are.
+std::vector<double> refit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                                 const Variances& variances, Point& point, const Settings& settings);
+
+/// A window whose own unknowns were moved.
+struct Moved {
+  Eigen::VectorXd residual;
+  double cost = 0.0;  ///< sum of squares, as of fit_locals
+};
+/// As refit_locals, along derivatives of a machine nearby; along new ones where a window's sum of squares is not below `before`.
+std::vector<Moved> fit_locals_along(const std::vector<Recording>& recordings,
+                                    const std::vector<Window>& windows,
+                                    const std::vector<LinearWindow>& nearby,
+                                    const std::vector<Marginal>& marginals, const std::vector<double>& before,
+                                    const Variances& variances, Point& point, const Settings& settings);
 
 /// Where the windows' own unknowns are likeliest at another theta, by the linear model.
-std::vector<Local> locals_at(const std::vector<LinearWindow>& windows, const Variances& variances,
+std::vector<Local> locals_at(const std::vector<LinearWindow>& windows, const std::vector<Marginal>& marginals,
                              const Eigen::VectorXd& theta, const std::vector<Local>& from);
 
 /// @param weights of the windows
-Evidence evidence(const std::vector<LinearWindow>& windows, const Variances& variances,
-                  const std::vector<double>& weights, unsigned threads);
+Evidence evidence(const std::vector<LinearWindow>& windows, const std::vector<Marginal>& marginals,
+                  const std::vector<double>& weights);
 
 }  // namespace furcula::floating

@@ -15,8 +15,8 @@ namespace furcula::floating {
 using Local = Eigen::Matrix<double, static_cast<int>(kLocals), 1>;
 
 /// Residuals of every run, a column each.
-Eigen::MatrixXd residuals(const Recording& recording, const Window& window, const Local& local,
-                          std::span<const Variant> variants, double step_s);
+Eigen::MatrixXd residuals(const Recording& recording, const Window& window, std::span<const Variant> variants,
+                          double step_s);
 
 /// Kinds of a window's unknowns; those of one kind have one variance.
 enum LocalGroup : int {
@@ -49,13 +49,20 @@ constexpr NoiseGroup noise_of(std::size_t channel) {
   return channel < kJoints ? kAngleNoise : channel < kJoints + 3 ? kAttitudeNoise : kGyroNoise;
 }
 
+struct Variances {
+  std::array<double, kNoiseGroups> noise{};
+  std::array<double, kLocalGroups> local{};  ///< 0: there is no such unknown
+};
+Variances first_variances();
+
 struct Settings {
   double step_s = 1e-3;
   unsigned threads = 2;
 };
 
 struct LinearWindow {
-  std::vector<std::size_t> locals;  ///< those that this window has: no wrench at a foot in the air
+  std::vector<std::size_t>
+      locals;  ///< those that this window has: no wrench at a foot in the air, none of variance 0
   Eigen::VectorXd y;
   Eigen::MatrixXd a, c;  ///< rows by theta, rows by `locals`
 };
@@ -71,9 +78,13 @@ struct Point {
 Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen::VectorXd& theta,
          const std::vector<Local>& locals);
 
-/// Without `with_globals` the columns of theta are left out.
+/// A window in its own unknowns alone.
+LinearWindow linearised(const Recording& recording, const Window& window, const Variances& variances,
+                        const Machine& machine, const Plant& plant, const Local& local, double step_s);
+
 std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
-                                     const std::vector<Window>& windows, const std::vector<Unknown>& unknowns,
-                                     const Point& point, bool with_globals, const Settings& settings);
+                                     const std::vector<Window>& windows, const Variances& variances,
+                                     const std::vector<Unknown>& unknowns, const Point& point,
+                                     const Settings& settings);
 
 }  // namespace furcula::floating

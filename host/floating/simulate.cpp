@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <vector>
 
 #include "furcula/dynamics/biped/contact.hpp"
 #include "furcula/dynamics/biped/joint_laws.hpp"
@@ -15,7 +19,11 @@ using namespace dynamics::biped;
 using dynamics::clamped;
 using dynamics::SimdBatch;
 
+#ifdef __AVX512F__
+constexpr std::size_t kLanes = 8;
+#else
 constexpr std::size_t kLanes = 4;
+#endif
 using T = SimdBatch<double, kLanes>;
 using L = LegScalar<T>;
 static_assert(std::is_same_v<L, T>);
@@ -156,6 +164,16 @@ void put_state(State<T>& to, std::size_t lane, const State<double>& from) {
   }
 }
 
+/// The first lane's in all.
+FURCULA_INLINE State<T> in_all_lanes(State<T> s) {
+  static_assert(std::is_trivially_copyable_v<State<T>> && sizeof(State<T>) % sizeof(T) == 0);
+  std::array<T, sizeof(State<T>) / sizeof(T)> numbers;
+  std::memcpy(&numbers, &s, sizeof s);
+  for (T& x : numbers) x = T(x[0]);
+  std::memcpy(static_cast<void*>(&s), &numbers, sizeof s);
+  return s;
+}
+
 /// Logged targets between rows.
 class Targets {
  public:
@@ -185,15 +203,22 @@ struct Drives {
 
 class Batch {
  public:
-  Batch(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
-        std::span<const Variant> variants)
-      : recording_(recording), window_(window), variants_(variants), targets_(recording, window) {
+  /// From `from`, a reference's state at row `first_row` of the window, instead of from the window's start.
+  Batch(const Recording& recording, const Window& window, std::span<const Variant> variants,
+        std::size_t first_row, const State<T>* from)
+      : recording_(recording),
+        window_(window),
+        variants_(variants),
+        first_row_(first_row),
+        targets_(recording, window) {
+    if (first_row > 0) state_ = *from;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const Variant& v = variants[std::min(lane, variants.size() - 1)];
       put_plant(plant_, lane, *v.plant);
-      std::copy(local.begin(), local.end(), locals_[lane].begin());
+      std::copy(v.locals, v.locals + kLocals, locals_[lane].begin());
       if (v.local >= 0) locals_[lane][static_cast<std::size_t>(v.local)] += v.change;
-      put_state(state_, lane, start(recording, window, *v.machine, *v.plant, locals_[lane]));
+      if (first_row == 0)
+        put_state(state_, lane, start(recording, window, *v.machine, *v.plant, locals_[lane]));
       machines_[lane] = v.machine;
       for (std::size_t i = 0; i < kJoints; ++i) {
         const std::size_t side = i / kLegJoints, j = i % kLegJoints;
@@ -205,13 +230,14 @@ class Batch {
     }
   }
 
-  /// Each lane's residuals, `stride` numbers apart.
-  void run(double step_s, double* out, std::size_t stride) {
+  /// Each lane's residuals after the first row, `stride` numbers apart; in `kept`, unless null, the first lane's state at each row, in all lanes.
+  void run(double step_s, double* out, std::size_t stride, std::vector<State<T>>* kept) {
     const auto& rows = recording_.rows;
     const double begin = rows[window_.first].time_s,
                  length = rows[window_.first + window_.count - 1].time_s - begin;
     correlate(length);
-    for (std::size_t k = 1; k < window_.count; ++k) {
+    for (std::size_t k = first_row_ + 1; k < window_.count; ++k) {
+      if (kept != nullptr) kept->push_back(in_all_lanes(state_));
       const double from = rows[window_.first + k - 1].time_s, dt = rows[window_.first + k].time_s - from;
       const int steps = std::max(1, static_cast<int>(std::lround(dt / step_s)));
       const double h = dt / steps;
@@ -344,6 +370,7 @@ class Batch {
   const Recording& recording_;
   const Window& window_;
   std::span<const Variant> variants_;
+  std::size_t first_row_;
   Targets targets_;
   TurnedParameters<T> plant_;
   State<T> state_;
@@ -381,12 +408,34 @@ std::array<double, 2> flat_foot(const Recording& recording, const Window& window
   return {normal.y / normal.z, -normal.x / normal.z};
 }
 
-void residuals(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
-               std::span<const Variant> variants, double step_s, std::span<double> out) {
+void residuals(const Recording& recording, const Window& window, std::span<const Variant> variants,
+               double step_s, std::span<double> out) {
   const std::size_t rows = (window.count - 1) * kRowSize;
+  const Variant& reference = variants.front();
+  // The last row up to which a run is as the first: knot k acts from knot k - 1 on.
+  const auto as_the_first = [&](const Variant& v) -> std::size_t {
+    if (reference.local >= 0 || v.machine != reference.machine || v.plant != reference.plant ||
+        v.locals != reference.locals || v.local < static_cast<int>(kStart) ||
+        v.local >= static_cast<int>(kFilterAt))
+      return 0;
+    const std::size_t knot = (static_cast<std::size_t>(v.local) - kStart) % kKnots;
+    if (knot < 2) return 0;
+    const auto time = [&](std::size_t k) { return recording.rows[window.first + k].time_s; };
+    const double until = time(0) + (time(window.count - 1) - time(0)) * static_cast<double>(knot - 1) /
+                                       static_cast<double>(kKnots - 1);
+    std::size_t k = 0;
+    while (k + 2 < window.count && time(k + 1) <= until) ++k;
+    return k;
+  };
+  std::vector<State<T>> kept;
   for (std::size_t i = 0; i < variants.size(); i += kLanes) {
-    Batch batch(recording, window, local, variants.subspan(i, std::min(kLanes, variants.size() - i)));
-    batch.run(step_s, out.data() + i * rows, rows);
+    const auto some = variants.subspan(i, std::min(kLanes, variants.size() - i));
+    std::size_t first_row = i == 0 ? 0 : window.count;
+    for (const Variant& v : some) first_row = std::min(first_row, as_the_first(v));
+    for (std::size_t lane = 0; lane < some.size(); ++lane)
+      std::copy_n(out.data(), first_row * kRowSize, out.data() + (i + lane) * rows);
+    Batch batch(recording, window, some, first_row, first_row > 0 ? &kept[first_row] : nullptr);
+    batch.run(step_s, out.data() + i * rows, rows, i == 0 && variants.size() > kLanes ? &kept : nullptr);
   }
 }
 

@@ -1,5 +1,5 @@
 // Windows of a walking robot, simulated in lanes from a start, driven by the logged targets, with disturbances. Derivatives are differences
-// between lanes. A shared library, built for every x86-64 and for AVX2 (furcula_lanes in host/CMakeLists.txt): no Eigen here, whose types
+// between lanes. A shared library, built for several kinds of x86-64 (furcula_lanes in host/CMakeLists.txt): no Eigen here, whose types
 // depend on the processor.
 #pragma once
 
@@ -33,18 +33,19 @@ inline constexpr std::size_t kRowSize = kJoints + 6;
 using Plant = dynamics::biped::TurnedParameters<double>;
 Plant plant_of(const Machine& machine);
 
-/// A run: which machine, and in which of the window's own unknowns it differs.
+/// A run: which machine, from which of the window's own unknowns, and in which of these it differs.
 struct Variant {
   const Machine* machine;
   const Plant* plant;
-  int local = -1;  ///< which is changed; -1: none
+  const double* locals;  ///< kLocals of them
+  int local = -1;        ///< which is changed; -1: none
   double change = 0.0;
 };
 
-/// Residuals, measured less predicted, of every run in `out`: kRowSize (count - 1) numbers each, the start's row left out. `local`: the
-/// window's own unknowns.
-void residuals(const Recording& recording, const Window& window, std::span<const double, kLocals> local,
-               std::span<const Variant> variants, double step_s, std::span<double> out);
+/// Residuals, measured less predicted, of every run in `out`: kRowSize (count - 1) numbers each, the start's row left out. Runs that differ from
+/// the first in a later knot alone begin where they differ; those of one knot should stand side by side.
+void residuals(const Recording& recording, const Window& window, std::span<const Variant> variants,
+               double step_s, std::span<double> out);
 
 /// Roll and pitch, as in `local`, with which the sole of the foot that has carried longest is flat on the ground.
 std::array<double, 2> flat_foot(const Recording& recording, const Window& window, const Machine& machine,

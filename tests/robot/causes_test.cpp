@@ -1,4 +1,4 @@
-// What a walking robot in MuJoCo hides is named from a log of its walk, and nothing where it hides nothing.
+// What a walking robot in MuJoCo hides is named from logs of its walks, and nothing where it hides nothing.
 #include <catch2/catch.hpp>
 
 #include "host/floating/identify.hpp"
@@ -10,23 +10,26 @@ using namespace furcula;
 
 namespace {
 
-floating::Identified diagnosed(robot::Cause cause, std::uint64_t seed) {
+floating::Identified diagnosed(robot::Cause cause, std::uint64_t seed, std::uint64_t walks) {
   const walk::Model model = walk::read_model(test::source("models/biped/biped.toml"));
   robot::Truth truth = robot::drawn(model.robot, 0.0, seed);
   robot::plant(robot::drawn_cause(cause, seed), truth);
-  robot::TrialOptions options;
-  options.seed = seed;
-  const robot::Trial trial = robot::try_walk(
-      truth, model.robot, walk::read_walk(test::source("models/biped/semi_passive_walk.toml")), options);
-  CHECK(trial.stands);
-  log::Log log = trial.log;
-  log.path = "robot.csv";
-  floating::Recording recording = floating::recording_of(log);
-  recording.passive_hips = true;
+  std::vector<floating::Recording> recordings;
+  for (std::uint64_t k = 0; k < walks; ++k) {
+    robot::TrialOptions options;
+    options.seed = seed + k;
+    const robot::Trial trial = robot::try_walk(
+        truth, model.robot, walk::read_walk(test::source("models/biped/semi_passive_walk.toml")), options);
+    CHECK(trial.stands);
+    log::Log log = trial.log;
+    log.path = "robot.csv";
+    recordings.push_back(floating::recording_of(log));
+    recordings.back().passive_hips = true;
+  }
   floating::IdentifyOptions of_causes;
   of_causes.iterations = 0;
   of_causes.settings.threads = 1;
-  return floating::identify(model.machine, {recording}, of_causes);
+  return floating::identify(model.machine, recordings, of_causes);
 }
 
 }  // namespace
@@ -34,7 +37,7 @@ floating::Identified diagnosed(robot::Cause cause, std::uint64_t seed) {
 TEST_CASE("Dry friction of a hip that a walking robot in MuJoCo hides is named, and nothing beside it") {
   const robot::Planted planted = robot::drawn_cause(robot::Cause::coulomb, 10);
   REQUIRE(planted.joint == dynamics::biped::kHipRoll);  // of the left leg
-  const floating::Identified found = diagnosed(robot::Cause::coulomb, 10);
+  const floating::Identified found = diagnosed(robot::Cause::coulomb, 10, 2);
   REQUIRE(found.causes.size() >= 1);
   const floating::Cause& first = found.causes.front();
   const floating::Unknown& what = found.unknowns[first.unknown];
@@ -48,7 +51,7 @@ TEST_CASE("Dry friction of a hip that a walking robot in MuJoCo hides is named, 
 }
 
 TEST_CASE("Nothing is named in a walking robot in MuJoCo that hides nothing", "[slow]") {
-  const floating::Identified found = diagnosed(robot::Cause::none, 1);
+  const floating::Identified found = diagnosed(robot::Cause::none, 1, 1);
   for (const floating::Cause& c : found.causes) {
     INFO(found.unknowns[c.unknown].kind << "@" << found.unknowns[c.unknown].location);
     CHECK(c.confidence < 0.5);
