@@ -125,6 +125,7 @@ class BatchedRollout {
         config_({}, dynamics::biped::Parameters<T>(known)) {
     using namespace dynamics::biped;
     config_.walk_until_s = static_cast<V>(o_.walk_until_s);
+    on_the_way_.resize(static_cast<std::size_t>(std::lround(o_.command_delay_s / o_.tick_s())));
     if (o_.mode == WalkMode::semi_passive)
       for (const std::size_t side : {kLeft, kRight})
         set_mode(plant_, side, kHipClutch, Mode::passive, laws_, s_);
@@ -212,6 +213,12 @@ class BatchedRollout {
 
     const Robot& r = robot(lane);
     State<double> still = posture(r.m.robot, r.plain, o_.mode, w);
+    for (Joints<T>& targets : on_the_way_)
+      for (std::size_t i = 0; i < kJoints; ++i) {
+        T all = joint<T>(targets, i);
+        put(all, lane, joint<double>(still.q_rad, i));
+        set_joint<T>(targets, i, all);
+      }
     Kinematics<double> k;
     kinematics<DesignTopology>(r.plain, still, k);
     if (is_ensemble_) {
@@ -304,6 +311,10 @@ class BatchedRollout {
     if (knees_switch()) switch_knees();
     Commands<T> command;
     command.target_rad = out_.target_rad;
+    if (!on_the_way_.empty()) {
+      std::swap(command.target_rad, on_the_way_[next_on_the_way_]);
+      next_on_the_way_ = (next_on_the_way_ + 1) % on_the_way_.size();
+    }
     if (is_ensemble_) members_.command(command);
 
     T farthest = zero;
@@ -530,6 +541,9 @@ class BatchedRollout {
   std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
   MemberBatch<T> members_;  ///< of an ensemble alone
+  std::vector<dynamics::biped::Joints<T>>
+      on_the_way_;  ///< targets that late drives do not act on yet, a ring
+  std::size_t next_on_the_way_ = 0;
 };
 
 }  // namespace furcula::walk

@@ -122,6 +122,7 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"time_s", core::shortest(r.time_s)},
                {"step_s", core::shortest(r.step_s)},
                {"steps a tick", std::to_string(r.steps_a_tick)},
+               {"command_delay_s", core::shortest(r.command_delay_s)},
                {"walk_until_s", core::shortest(r.walk_until_s)},
                {"foot_threshold_n", core::shortest(r.foot_threshold_n)},
                {"motors of passive hips", r.hips_follow ? "follow" : "off"},

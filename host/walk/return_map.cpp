@@ -244,6 +244,7 @@ ReturnMap return_map_of(const Description& robot, const RolloutOptions& options,
   endless.walk_until_s = 1e9;
   endless.time_s = 1e9;
   endless.steps_a_tick = 1;
+  endless.command_delay_s = 0.0;  // what is on the way to the drives is no part of the state
   PeriodicRollout s(robot, endless, walk, strides);
   const auto fell = [&] {
     out.none = "it falls after " + core::rounded(s.time_s(), 3) + " s";

@@ -35,6 +35,8 @@ struct WalkLimits {
          along_m = 0.25;  ///< ankles nearer than this sideways while nearer than that along; or crossed
 };
 
+/// Of drives that walks can be searched for: what a board's supervisor allows for beyond its buses' two ticks.
+inline constexpr double kMostCommandDelay_s = 18e-3;
 inline constexpr double kSoleMargin_m = 0.03;
 inline constexpr double kCotGravity_mps2 = 9.8;  ///< of 000 eq. 1
 
@@ -44,6 +46,7 @@ struct RolloutOptions {
   double step_s = 5e-4;
   int steps_a_tick = 2;  ///< the controller's tick
   double walk_until_s = 5.0;
+  double command_delay_s = 0.0;    ///< drives act on targets so much later; rounded to ticks
   double foot_threshold_n = 30.0;  ///< of the feet's switches
   double pin_s = 0.06;             ///< a clutch's pin takes to go out, and to go in
   /// semi_passive: whether the hips' motors follow their links all the while. Else they are off, as they are not joined before the end.

@@ -1,6 +1,7 @@
 // The files of a walk: the model (TOML of kind biped, which names a URDF), walk.toml (walk_toml.hpp), and walk.json.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -52,6 +53,7 @@ inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_
   o.mode = mode;
   o.walk_until_s = walk_until_s;
   o.limits = model.limits;
+  o.command_delay_s = std::clamp(model.machine.delay_s, 0.0, kMostCommandDelay_s);
   return o;
 }
 

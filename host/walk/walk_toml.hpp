@@ -13,6 +13,8 @@ struct Walk {
   WalkMode mode = WalkMode::active;
   double walk_until_s = 5.0;
   Parameters parameters;
+  /// Of the drives that it was searched with: the board's supervisor expects their torques so much later.
+  double command_delay_s = 0.0;
 };
 
 std::string format_walk(const Walk& walk);

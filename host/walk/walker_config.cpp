@@ -1,9 +1,13 @@
 #include "host/walk/walker_config.hpp"
 
+#include <cmath>
+
 namespace furcula::walk {
 namespace {
 
 using namespace dynamics::biped;
+
+constexpr double kTick_s = 1e-3;  // a board's
 
 std::uint32_t passive_pins(WalkMode mode) {
   return mode == WalkMode::semi_passive ? 1u << kHipClutch | 1u << (kClutches + kHipClutch) : 0u;
@@ -26,6 +30,7 @@ control::WalkerConfig walker_config(const Description& robot, const Walk& walk, 
   if (turns != DriveTurns::each_tick) c.supervisor.missed_max = 3;
   // What is read now was answered in the last tick, to what was told two ticks before that.
   if (turns == DriveTurns::over_buses) c.supervisor.torque_lag_ticks = 2;
+  c.supervisor.torque_lag_ticks += static_cast<std::uint32_t>(std::lround(walk.command_delay_s / kTick_s));
   c.supervisor.gravity_mps2 = static_cast<float>(robot.gravity_mps2);
   return c;
 }

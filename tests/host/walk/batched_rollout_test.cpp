@@ -95,6 +95,41 @@ TEST_CASE("energy is that of the motors, summed a second time, a passive hip's m
   }
 }
 
+TEST_CASE("late drives act on the targets of so many ticks before, at first on the posture") {
+  using namespace dynamics::biped;
+  constexpr std::size_t kTicks = 12;
+  RolloutOptions options = in(WalkMode::active);
+  options.step_s = 1e-3;
+  options.steps_a_tick = 1;
+  options.time_s = 2.0;
+  options.command_delay_s = 12e-3;
+  std::vector<std::array<double, kJoints>> targets;
+  std::array<double, kJoints> q{}, qd{};
+  std::size_t compared = 0;
+  watched(options, test::found_walk().parameters, [&](const WalkMoment<double>& m) {
+    std::array<double, kJoints> now{};
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      now[i] = joint<double>(m.out.target_rad, i);
+      if (targets.size() > kTicks) {
+        const auto& drive = robot().drives[i / kLegJoints][i % kLegJoints];
+        const double law =
+            drive.kp_nmprad * (targets[targets.size() - kTicks][i] - q[i]) - drive.kd_nmsprad * qd[i];
+        CHECK(joint<double>(m.report.torque.motor_nm, i) ==
+              Approx(std::clamp(law, -drive.limit_nm, drive.limit_nm)).margin(1e-9));
+        ++compared;
+      }
+      q[i] = joint<double>(m.state.q_rad, i), qd[i] = joint<double>(m.state.qd_radps, i);
+    }
+    targets.push_back(now);
+  });
+  CHECK(compared > 1000);
+  // In lanes each robot begins with its own posture, whoever was there before.
+  auto walks = test::walks_about_the_start(20);
+  const auto together = run_walks(robot(), options, walks, 1);
+  for (std::size_t i = 0; i < walks.size(); ++i)
+    CHECK(same(together[i], run_walks(robot(), options, {walks[i]}, 1)[0]));
+}
+
 TEST_CASE("a free knee feels its damper alone, a braked one stays, and each only in its time") {
   using namespace dynamics::biped;
   const walk::Parameters walk = test::found_walk().parameters;

@@ -245,7 +245,7 @@ TEST_CASE("what furcula walk cannot use is said") {
   CHECK_THAT(over.out, Contains("limit: a motor gives"));
 }
 
-TEST_CASE("the rollouts of any x86-64 and those of processors with AVX2 have the same bits") {
+TEST_CASE("rollouts of any x86-64, of those with AVX2 and of those with AVX-512 have the same bits") {
   const std::string linker = "/lib64/ld-linux-x86-64.so.2";
   if (!std::filesystem::exists(linker)) return test::skip("no x86-64: there is one library");
   test::TemporaryFolder folder;
@@ -263,6 +263,9 @@ TEST_CASE("the rollouts of any x86-64 and those of processors with AVX2 have the
   const std::string program = test::program("furcula");
   const std::string any = found({"--glibc-hwcaps-mask", "", program}, "any");
   CHECK(any.size() > 1000);
+  // A library that the processor cannot run is not chosen.
+  for (const char* kind : {"x86-64-v3", "x86-64-v4"})
+    CHECK(found({"--glibc-hwcaps-mask", kind, program}, kind) == any);
   CHECK(found({program}, "own") == any);
 }
 
@@ -287,6 +290,15 @@ TEST_CASE("furcula walk identify writes a model that walks are simulated on, whe
       test::run_furcula({"walk", "identify", brief, "--model", kModel, "--threads", "1", "--out", alone}, 600)
           .status == 0);
   CHECK(test::json_of(alone + "/identification.json") == test::json_of(out + "/identification.json"));
+  const std::string linker = "/lib64/ld-linux-x86-64.so.2";
+  if (std::filesystem::exists(linker)) {
+    const std::string narrow = folder.path() + "/narrow";
+    REQUIRE(
+        test::run_program(linker, {"--glibc-hwcaps-mask", "", test::program("furcula"), "walk", "identify",
+                                   brief, "--model", kModel, "--threads", "2", "--out", narrow})
+            .status == 0);
+    CHECK(test::json_of(narrow + "/identification.json") == test::json_of(out + "/identification.json"));
+  }
   CHECK_THAT(ran.out,
              Contains("hips' pitch on their drives") && Contains("training") && Contains("held out"));
   const auto j = test::json_of(out + "/identification.json");

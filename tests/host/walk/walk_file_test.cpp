@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/walk/walker_config.hpp"
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/walk/walks.hpp"
@@ -37,6 +38,29 @@ TEST_CASE("a walk is read as it was written") {
   CHECK(read.walk_until_s == walk.walk_until_s);
   CHECK(read.parameters.values() == values);
   CHECK_THAT(text, Contains("[up.swing]\nhip_pitch_rad = ") && Contains("[stop]\nblend_s = "));
+  CHECK_THAT(text, !Contains("command_delay_s"));
+}
+
+TEST_CASE("a walk that was searched for late drives tells the board when their torques are to be expected") {
+  const Model model = read_model(test::source("models/biped/biped.toml"));
+  Walk walk;
+  walk.robot = model.name;
+  walk.parameters = test::start_walk();
+  const auto lag = [&](double delay_s) {
+    walk.command_delay_s = delay_s;
+    const Walk read = parse_walk(format_walk(walk), "walk.toml");
+    CHECK(read.command_delay_s == delay_s);
+    return walker_config(model.robot, read, 30.0, DriveTurns::over_buses).supervisor.torque_lag_ticks;
+  };
+  CHECK(lag(0.0) == 2);
+  CHECK(lag(12.4e-3) == 14);
+  CHECK(lag(kMostCommandDelay_s) == control::kTorqueLagMost);
+  walk.command_delay_s = 0.1;
+  CHECK_THAT(test::error_message([&] { parse_walk(format_walk(walk), "walk.toml"); }),
+             Contains("walk.toml:6") && Contains("command_delay_s") && Contains("0.018"));
+  Model late = model;
+  late.machine.delay_s = 7e-3;
+  CHECK(rollout_of(late, WalkMode::active, 5.0).command_delay_s == 7e-3);
 }
 
 TEST_CASE("a walk with a mistake is refused with file, line and what was expected") {

@@ -68,10 +68,10 @@ WalkSupervisorConfig lagging(std::uint32_t ticks) {
 
 TEST_CASE("a drive's torque is held against the target that it was told when it answered") {
   // A tick of the target's way is 3 N m: two ticks off are 6 N m on the way there and back, over the limit of 2 here.
-  for (const std::uint32_t lag : {0u, 1u, 2u}) {
+  for (const std::uint32_t lag : {0u, 1u, 2u, 12u, kTorqueLagMost}) {
     INFO(lag);
     CHECK(Joint(lagging(lag)).run(static_cast<int>(lag)) == Fault::none);
-    CHECK(Joint(lagging(lag)).run(static_cast<int>(lag) == 2 ? 0 : 2) == Fault::drive_disobeys);
+    CHECK(Joint(lagging(lag)).run(lag >= 2 ? static_cast<int>(lag) - 2 : 2) == Fault::drive_disobeys);
     CHECK(Joint(lagging(lag)).run(static_cast<int>(lag), 0.0f) == Fault::drive_disobeys);
   }
 }

@@ -14,6 +14,9 @@
 
 namespace furcula::control {
 
+/// The most by which a drive's torque may lag its command, ticks: buses' two, and drives that are late by up to 18 ms.
+inline constexpr std::uint32_t kTorqueLagMost = 20;
+
 /// Limits of the supervisor; beyond each is a fault. Each low-pass has a time constant of its own.
 struct WalkSupervisorConfig {
   std::uint32_t tick_interval_max_us = 3000;  ///< between two ticks; more is late_tick
@@ -35,7 +38,7 @@ struct WalkSupervisorConfig {
   float torque_off_nm = 15.0f;    ///< low-pass of the reported torque's deviation from the command
   float torque_fades_s = 0.02f;   ///< time constant of this low-pass
   float torque_most_nm = 220.0f;  ///< largest magnitude of a drive's torque
-  /// Ticks by which the target of the torque that a drive reports is older than its last command; at most 2.
+  /// Ticks by which the target of the torque that a drive reports is older than its last command; at most kTorqueLagMost.
   std::uint32_t torque_lag_ticks = 0;
 
   // The IMU.
@@ -87,8 +90,9 @@ struct WalkSupervisorState {
       still_s{};                                      ///< how long the same angle has been read
   std::array<bool, kWalkerJoints> held{};             ///< the drive held a target on the last tick
   std::array<JointCommand, kWalkerJoints> told{};     ///< commands of the last tick
-  /// Targets, [0] one tick and [1] two ticks before `told`; not kept with torque_lag_ticks 0.
-  std::array<std::array<float, kWalkerJoints>, 2> told_before_rad{};
+  /// Targets of the ticks before `told`, in a ring; not kept with torque_lag_ticks 0.
+  std::array<std::array<float, kWalkerJoints>, kTorqueLagMost> told_before_rad{};
+  std::uint32_t told_next = 0;                ///< of the ring, the place that is written next
   dynamics::tree::Vec3<float> gyro_before{},  ///< gyro on the last tick, rad/s
       acc_before{};                           ///< accelerometer on the last tick, m/s^2
   std::uint32_t imu_same = 0;                 ///< ticks in a row with the same numbers
@@ -182,7 +186,10 @@ inline Fault find_joint_fault(const WalkSupervisorConfig& c, WalkSupervisorState
 
   const float off_rad = told.target_rad - r.angle_rad;
   const float behind_rad =
-      c.torque_lag_ticks == 0 ? off_rad : s.told_before_rad[c.torque_lag_ticks - 1][i] - r.angle_rad;
+      c.torque_lag_ticks == 0
+          ? off_rad
+          : s.told_before_rad[(s.told_next + kTorqueLagMost - c.torque_lag_ticks) % kTorqueLagMost][i] -
+                r.angle_rad;
   // Its torque is of some time within the last tick: between what the readings at both ends ask for.
   const float now_nm =
       within_size(told.stiffness_nmprad * behind_rad - told.damping_nmsprad * r.rate_radps, c.torque_most_nm);
@@ -301,12 +308,15 @@ inline Fault find_walk_fault(const WalkSupervisorConfig& c, WalkSupervisorState&
 /// this one.
 inline void note_told(const WalkSupervisorConfig& c, WalkSupervisorState& s,
                       const std::array<JointCommand, kWalkerJoints>& told) {
-  if (c.torque_lag_ticks != 0)
+  if (c.torque_lag_ticks != 0) {
     for (std::size_t i = 0; i < kWalkerJoints; ++i) {
-      const bool held = s.told[i].stiffness_nmprad > 0.0f;
-      s.told_before_rad[1][i] = held ? s.told_before_rad[0][i] : told[i].target_rad;
-      s.told_before_rad[0][i] = held ? s.told[i].target_rad : told[i].target_rad;
+      if (s.told[i].stiffness_nmprad > 0.0f)
+        s.told_before_rad[s.told_next][i] = s.told[i].target_rad;
+      else  // a drive that held nothing begins at its first target
+        for (auto& before : s.told_before_rad) before[i] = told[i].target_rad;
     }
+    s.told_next = (s.told_next + 1) % kTorqueLagMost;
+  }
   s.told = told;
 }
 

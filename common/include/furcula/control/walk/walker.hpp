@@ -80,7 +80,7 @@ struct WalkerOutputs {
 };
 
 /// Whether the numbers make sense. `invalid`: a parameter of the walk is not finite, a number is not positive where it
-/// must be, or torque_lag_ticks is above 2.
+/// must be, or torque_lag_ticks is above kTorqueLagMost.
 inline Status check(const WalkerConfig& c) {
   const auto values = c.walk.walk.values();
   for (const float x : values)
@@ -94,7 +94,7 @@ inline Status check(const WalkerConfig& c) {
   for (const auto& leg : c.walk.body.drives)
     for (const auto& drive : leg)
       if (!(drive.kp_nmprad > 0.0f) || !(drive.kd_nmsprad >= 0.0f)) return Status::invalid;
-  return c.damping_nmsprad >= 0.0f && c.rest_ticks > 0 && c.supervisor.torque_lag_ticks <= 2
+  return c.damping_nmsprad >= 0.0f && c.rest_ticks > 0 && c.supervisor.torque_lag_ticks <= kTorqueLagMost
              ? Status::ok
              : Status::invalid;
 }
