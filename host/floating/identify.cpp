@@ -105,6 +105,19 @@ class Fit {
         .cwiseSqrt();
   }
 
+  /// Goes on from that machine, if it is likelier.
+  void begin_at(const Machine& machine) {
+    Eigen::VectorXd theta(point_.theta.size());
+    for (std::size_t i = 0; i < unknowns_.size(); ++i)
+      theta[static_cast<Eigen::Index>(i)] =
+          (unknowns_[i].value(machine) - unknowns_[i].value(model_)) / unknowns_[i].prior_sd;
+    Point there = at(model_, unknowns_, theta, std::vector<Local>(windows_.size(), Local::Zero()));
+    const std::vector<double> then = fit_locals(recordings_, windows_, variances_, there, settings_);
+    const double now = robust(windows_, then) + there.theta.squaredNorm();
+    if (!(now < cost_)) return;
+    cost_ = now, costs_ = then, point_ = std::move(there), moved_ = true;
+  }
+
   /// Steps along the same derivatives, as long as they gain. @returns whether new ones may gain.
   bool improve() {
     constexpr int kMost = 4;
@@ -244,6 +257,7 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   out.causes =
       causes(model, out.unknowns, windows, fit.linear(),
              estimated(fit.linear(), first_variances(), options.settings.threads), options.settings.threads);
+  if (options.start) fit.begin_at(*options.start);
   for (bool further = true; further && out.iterations < options.iterations; ++out.iterations) {
     say(0.3 + 0.6 * out.iterations / options.iterations, "fitting all numbers");
     further = fit.improve();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct IdentifyOptions {
   double window_s = 0.3;
   int iterations = 6;
   Settings settings;
+  /// A robot that the fit begins at instead of the model, if it is likelier: what fewer recordings gave.
+  std::optional<Machine> start;
   std::function<void(double fraction, const std::string& doing)> progress;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -208,6 +209,7 @@ class Loop {
       news_ = true;
       floating::IdentifyOptions options = o_.identify;
       options.settings.threads = o_.threads;
+      if (round > 1) options.start = walk::read_model(model_file(round - 1)).machine;
       options.progress = [&](double fraction, const std::string& doing) {
         if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
       };
@@ -265,15 +267,45 @@ class Loop {
     write();
   }
 
+  /// Of the rounds' walks so far the one that is best on the robot and the others of a search.
+  unsigned best_walk(unsigned rounds, const walk::Model& model, const walk::SearchOptions& options) const {
+    const auto robots = options.ensemble.size();
+    std::vector<walk::Job> alone, others;
+    for (unsigned round = 1; round <= rounds; ++round) {
+      alone.push_back({walk::read_walk(walk_file(round)).parameters, 0});
+      for (std::size_t k = 0; k < robots; ++k) others.push_back({alone.back().walk, k});
+    }
+    const std::vector<walk::Rollout> on_robot =
+                                         walk::run_jobs(model.robot, {}, options.rollout, alone, o_.threads),
+                                     on_others = walk::run_jobs(model.robot, options.ensemble,
+                                                                options.rollout, others, o_.threads);
+    unsigned best = 1;
+    double least = std::numeric_limits<double>::infinity();
+    for (unsigned round = 1; round <= rounds; ++round) {
+      double value = on_robot[round - 1].value(options.rollout.time_s);
+      for (std::size_t k = 0; k < robots; ++k)
+        value += on_others[(round - 1) * robots + k].value(options.rollout.time_s);
+      if (value <= least) best = round, least = value;
+    }
+    return best;
+  }
+
   void search(unsigned round) {
     if (fs::exists(walk_file(round + 1))) return;
+    constexpr unsigned kSearches = 3;  // one that ends on the spot goes on, as often
     const walk::Model model = walk::read_model(model_file(round));
     walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_file(round)));
     walk::require_posture(model, options.rollout);
+    const std::string from = walk_file(best_walk(round, model, options));
+    options.start = walk::read_walk(from).parameters;
     options.progress = [&](double fraction, const std::string& doing) {
       if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
     };
-    const walk::Searched searched = walk::searched(model, options);
+    walk::Searched searched = walk::searched(model, options);
+    for (unsigned k = 1; k < kSearches && !searched.found.found; ++k) {
+      options.start = searched.found.walk;
+      searched = walk::searched(model, options);
+    }
     const walk::Rollout& best = searched.found.rollout;
     if (best.ending != walk::Ending::stands) {
       result_.ended = "round " + std::to_string(round) + ": in " + std::to_string(o_.steps) +
@@ -289,7 +321,7 @@ class Loop {
         "furcula walk search --model " + model_file(round) + " --mode " +
             std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
             std::to_string(options.seed) + " --robust --deviations " + core::shortest(o_.deviations) +
-            " --from " + walk_file(round) + " --steps " + std::to_string(o_.steps) + " --out " + to));
+            " --from " + from + " --steps " + std::to_string(o_.steps) + " --out " + to));
   }
 
   const LoopOptions& o_;

@@ -92,6 +92,22 @@ TEST_CASE(
   CHECK(stand("active_walk.toml", 0.0) <= 1);
 }
 
+TEST_CASE("A board stops a robot whose drives are late, unless its walk says by how much") {
+  const walk::Model model = walk::read_model(kModel);
+  walk::Walk walk = walk::read_walk(test::source("models/biped/robust_walk.toml"));
+  robot::Truth truth = robot::as_described(model.robot);
+  truth.delay_s = 12e-3;
+  robot::TrialOptions options;
+  options.time_s = 3.0;
+  const robot::Trial stopped = robot::try_walk(truth, model.robot, walk, options);
+  CHECK_THAT(stopped.ending,
+             Catch::StartsWith("fault " + std::to_string(static_cast<int>(control::Fault::drive_disobeys))));
+  walk.command_delay_s = truth.delay_s;
+  const robot::Trial walks = robot::try_walk(truth, model.robot, walk, options);
+  CHECK(walks.ending == "stands");
+  CHECK(walks.distance_m > 0.1);
+}
+
 TEST_CASE("An encoder's offset is in the log of the robot in MuJoCo, and nothing else of it on the stand") {
   constexpr std::size_t kKnee = 3;
   robot::Truth truth = robot::as_described(dynamics::biped::design());

@@ -130,6 +130,24 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "a fit begins at the robot that fewer recordings gave where that is likelier, and else at the model") {
+  auto robot = dynamics::biped::design();
+  robot.drives[0][dynamics::biped::kKnee].friction_nm += 6.0;
+  Recording all = recording_of(log_of(robot, "semi_passive", 3, 2.4));
+  all.passive_hips = true;
+  IdentifyOptions options;
+  options.iterations = 0;
+  const auto begun_at = [&](std::size_t side) {
+    options.start = nominal();
+    options.start->robot.drives[side][dynamics::biped::kKnee].friction_nm += 6.0;
+    return identify(nominal(), {all}, options);
+  };
+  const Identified near = begun_at(0), far = begun_at(1);
+  CHECK(identified(near, "coulomb_friction", "left_knee") == Approx(6.0).epsilon(1e-6));
+  CHECK(identified(far, "coulomb_friction", "right_knee") == Approx(0.0).margin(1e-9));
+}
+
+TEST_CASE(
     "the evidence of a deviation is what an integration over it gives, and windows that disagree give none") {
   const Eigen::Vector3d information{40.0, 90.0, 10.0}, agreed{40.0 * 0.8, 90.0 * 0.8, 10.0 * 0.8};
   // The least scatter is none: normal densities of 0.8 three times, with theta of variance 1 and with theta 0.
