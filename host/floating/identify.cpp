@@ -53,9 +53,10 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
   const std::vector<Window> some = some_of(windows, kLooked);
   Point best{model, {}, std::vector<Local>(some.size(), Local::Zero())};
   double least = robust(some, fit_locals(recordings, some, first_variances(), best, options.settings));
-  // Each begins where the windows of the best so far ended, so that costs differ by the machine and not by where a fit comes to rest.
+  // Both begin where the windows of the best so far ended, so that costs differ by the machine and not by where a fit comes to rest.
   const auto attempt = [&](const Machine& m) {
     Point p{m, {}, best.locals};
+    least = robust(some, refit_locals(recordings, some, first_variances(), best, options.settings));
     const double now = robust(some, refit_locals(recordings, some, first_variances(), p, options.settings));
     if (!(now < least)) return false;
     best = std::move(p), least = now;
@@ -96,7 +97,7 @@ class Fit {
   }
 
   const Point& point() const { return point_; }
-  /// Derivatives where the last steps began, about where they ended.
+  /// Derivatives of the last linearisation, shifted to the present point.
   const std::vector<LinearWindow>& linear() const { return linear_; }
   Eigen::VectorXd sd() const {
     return precision_.llt()
@@ -122,8 +123,12 @@ class Fit {
   bool improve() {
     constexpr int kMost = 4;
     if (moved_) linearise();
-    for (int k = 0; k < kMost; ++k)
-      if (!step()) return k > 0;
+    for (int k = 0; k < kMost; ++k) {
+      const double damping = damping_;
+      if (step()) continue;
+      if (k > 0) damping_ = damping;  // it is the derivatives that are old
+      return k > 0;
+    }
     return true;
   }
 

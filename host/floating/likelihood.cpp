@@ -46,21 +46,22 @@ class WindowFit {
   double cost() const { return cost_; }
   const Eigen::VectorXd& residual() const { return residual_; }
 
-  /// Until a step along derivatives that were taken where it begins gains little, or they were taken so many times.
+  /// Linearises anew until a first step gains little, at most so many times.
   void improve(int derivatives) {
+    damping_ = kFirstDamping;
     for (int k = 0; k < derivatives; ++k)
       if (const LinearWindow l = linearised(recording_, window_, variances_, machine_, plant_, x_, step_s_);
-          !along(l, scaled(l, variances_)))
+          !along(l, scaled(l, variances_), true))
         return;
   }
 
-  /// Steps along the same derivatives, as long as they gain much. @returns whether there was more than one.
-  bool along(const LinearWindow& linear, const Marginal& s) {
+  /// Steps along the same derivatives, as long as they gain much. @returns whether the first one did. `here`: they were taken here.
+  bool along(const LinearWindow& linear, const Marginal& s, bool here = false) {
     constexpr int kMost = 8;
     for (int k = 0; k < kMost; ++k) {
       double gain = step(linear, s);
-      // Where derivatives are taken the cost falls along the steepest descent, however short the step.
-      for (; k == 0 && gain == 0.0 && damping_ < kMostDamping; gain = step(linear, s)) {
+      // Where derivatives were taken the cost falls along the steepest descent, if the step is short enough.
+      for (; here && k == 0 && gain == 0.0 && damping_ < kMostDamping; gain = step(linear, s)) {
       }
       if (!(gain > kLittle * cost_)) return k > 0;
     }
@@ -70,7 +71,7 @@ class WindowFit {
  private:
   /// Times the damping of the step before: tried at once, in lanes.
   static constexpr std::array<double, 4> kDampings{0.1, 1.0, 10.0, 100.0};
-  static constexpr double kLittle = 1e-3, kLeastDamping = 1e-6, kMostDamping = 1e4;
+  static constexpr double kLittle = 1e-3, kFirstDamping = 1e-2, kLeastDamping = 1e-6, kMostDamping = 1e4;
 
   /// @returns what it gained.
   double step(const LinearWindow& linear, const Marginal& s) {
@@ -133,7 +134,7 @@ class WindowFit {
   std::array<double, kRowSize> row_sd_{};
   Local x_;
   Eigen::VectorXd residual_;
-  double cost_ = 0.0, damping_ = 1e-2;
+  double cost_ = 0.0, damping_ = kFirstDamping;
 };
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace furcula::floating {
 /// the machine does not explain, so that what is found beyond them stands out of the windows' own scatter.
 Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads);
 
-/// A window's own unknowns integrated out: what of it does not hang on where it is.
+/// A window's own unknowns integrated out: the part that does not depend on the point it was linearised about.
 struct Marginal {
   Eigen::VectorXd row_sd, local_sd;  ///< of `y`, of `locals`
   Eigen::MatrixXd c;                 ///< of the window, rows and columns in these
@@ -30,7 +30,7 @@ struct Evidence {
 };
 
 /// Moves each window's own unknowns to where they are likeliest, the machine held: Levenberg and Marquardt's method from the attitude filter and from a
-/// flat stance foot, whichever ends likelier; of `derivatives` at most. @returns per window the sum of squares there, rows and unknowns in their standard deviations.
+/// flat stance foot, whichever ends likelier; linearised at most so many times from the better start. @returns per window the sum of squares there, rows and unknowns in their standard deviations.
 std::vector<double> fit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
                                const Variances& variances, Point& point, const Settings& settings,
                                int derivatives = 15);

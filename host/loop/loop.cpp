@@ -267,32 +267,34 @@ class Loop {
     write();
   }
 
-  /// Of the rounds' walks so far the one that is best on the robot and the others of a search.
+  /// Of the rounds' walks so far the one with which a search does best to begin: by its own objective.
   unsigned best_walk(unsigned rounds, const walk::Model& model, const walk::SearchOptions& options) const {
     const auto robots = options.ensemble.size();
+    const double asked_s = options.rollout.time_s;
     std::vector<walk::Job> alone, others;
     for (unsigned round = 1; round <= rounds; ++round) {
       alone.push_back({walk::read_walk(walk_file(round)).parameters, 0});
       for (std::size_t k = 0; k < robots; ++k) others.push_back({alone.back().walk, k});
     }
-    const std::vector<walk::Rollout> on_robot =
-                                         walk::run_jobs(model.robot, {}, options.rollout, alone, o_.threads),
-                                     on_others = walk::run_jobs(model.robot, options.ensemble,
-                                                                options.rollout, others, o_.threads);
-    unsigned best = 1;
+    const auto on_robot = walk::run_jobs(model.robot, {}, options.rollout, alone, o_.threads),
+               on_others = walk::run_jobs(model.robot, options.ensemble, options.rollout, others, o_.threads);
+    unsigned best = rounds;
     double least = std::numeric_limits<double>::infinity();
-    for (unsigned round = 1; round <= rounds; ++round) {
-      double value = on_robot[round - 1].value(options.rollout.time_s);
-      for (std::size_t k = 0; k < robots; ++k)
-        value += on_others[(round - 1) * robots + k].value(options.rollout.time_s);
-      if (value <= least) best = round, least = value;
+    for (unsigned round = rounds; round > 0; --round) {
+      const walk::Rollout& own = on_robot[round - 1];
+      double value = own.value(asked_s);
+      if (own.ending == walk::Ending::stands) {
+        for (std::size_t k = 0; k < robots; ++k) value += on_others[(round - 1) * robots + k].value(asked_s);
+        value /= static_cast<double>(robots + 1);
+      }
+      if (value < least) best = round, least = value;
     }
     return best;
   }
 
   void search(unsigned round) {
     if (fs::exists(walk_file(round + 1))) return;
-    constexpr unsigned kSearches = 3;  // one that ends on the spot goes on, as often
+    constexpr std::uint64_t kMost = 3;  // times the steps asked for
     const walk::Model model = walk::read_model(model_file(round));
     walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_file(round)));
     walk::require_posture(model, options.rollout);
@@ -302,13 +304,14 @@ class Loop {
       if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
     };
     walk::Searched searched = walk::searched(model, options);
-    for (unsigned k = 1; k < kSearches && !searched.found.found; ++k) {
-      options.start = searched.found.walk;
+    for (std::uint64_t k = 2; k <= kMost && !searched.found.found; ++k) {
+      options.from = searched.found.state;
+      options.steps = k * o_.steps;
       searched = walk::searched(model, options);
     }
     const walk::Rollout& best = searched.found.rollout;
     if (best.ending != walk::Ending::stands) {
-      result_.ended = "round " + std::to_string(round) + ": in " + std::to_string(o_.steps) +
+      result_.ended = "round " + std::to_string(round) + ": in " + std::to_string(*options.steps) +
                       " steps the search found no walk that stands in simulation of " + model_file(round) +
                       " (" + simulated_in_words(best, model.limits) +
                       "); expected more --steps, in another folder";
@@ -321,7 +324,7 @@ class Loop {
         "furcula walk search --model " + model_file(round) + " --mode " +
             std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
             std::to_string(options.seed) + " --robust --deviations " + core::shortest(o_.deviations) +
-            " --from " + from + " --steps " + std::to_string(o_.steps) + " --out " + to));
+            " --from " + from + " --steps " + std::to_string(*options.steps) + " --out " + to));
   }
 
   const LoopOptions& o_;

@@ -122,11 +122,11 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"time_s", core::shortest(r.time_s)},
                {"step_s", core::shortest(r.step_s)},
                {"steps a tick", std::to_string(r.steps_a_tick)},
-               {"command_delay_s", core::shortest(r.command_delay_s)},
                {"walk_until_s", core::shortest(r.walk_until_s)},
                {"foot_threshold_n", core::shortest(r.foot_threshold_n)},
                {"motors of passive hips", r.hips_follow ? "follow" : "off"},
                {"first walk, m", core::shortest(options.first_walk_m)}};
+  if (r.command_delay_s > 0.0) out.emplace_back("command_delay_s", core::shortest(r.command_delay_s));
   for (const LimitKey& k : kLimitKeys)
     out.emplace_back("[limits] " + std::string(k.name), core::shortest(r.limits.*k.of));
   return out;

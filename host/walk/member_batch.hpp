@@ -68,8 +68,10 @@ class MemberBatch {
     const double half = 0.5 * tick_s;
     if (!dynamics::any(T(time_s + static_cast<V>(half)) > change_s_)) return;
     for (std::size_t lane = 0; lane < kRobots; ++lane) {
+      // As the line above says it, so that it hangs on no other lane.
+      if (!(dynamics::lane_of(T(time_s + static_cast<V>(half)), lane) > dynamics::lane_of(change_s_, lane)))
+        continue;
       const double now_s = read(time_s, lane) + half;
-      if (now_s < read(change_s_, lane)) continue;
       const auto& pushes = member_[lane]->pushes;
       std::size_t& k = next_push_[lane];
       while (k < pushes.size() && pushes[k].end_s <= now_s) ++k;

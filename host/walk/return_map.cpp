@@ -240,11 +240,15 @@ std::vector<double> sizes_of_eigenvalues(const Matrix& j, const Vector& t) {
 ReturnMap return_map_of(const Description& robot, const RolloutOptions& options, const Parameters& walk,
                         int strides) {
   ReturnMap out;
+  if (options.command_delay_s > 0.0) {
+    out.none =
+        "it is not computed for drives that are late";  // targets on the way to them are no part of the state
+    return out;
+  }
   RolloutOptions endless = options;
   endless.walk_until_s = 1e9;
   endless.time_s = 1e9;
   endless.steps_a_tick = 1;
-  endless.command_delay_s = 0.0;  // what is on the way to the drives is no part of the state
   PeriodicRollout s(robot, endless, walk, strides);
   const auto fell = [&] {
     out.none = "it falls after " + core::rounded(s.time_s(), 3) + " s";

@@ -24,7 +24,7 @@ struct ReturnMap {
   double cpu_s = 0.0;  ///< the multipliers alone
 };
 
-/// Of `strides` strides of two steps. Of the walk without an end, with steps and ticks of `options.step_s`, in double, with sensors that do not err and drives that are not late.
+/// Of `strides` strides of two steps. Of the walk without an end, with steps and ticks of `options.step_s`, in double, with sensors that do not err; none where drives are late.
 ReturnMap return_map_of(const dynamics::biped::Description& robot, const RolloutOptions& options,
                         const Parameters& walk, int strides = 1);
 

@@ -32,8 +32,7 @@ std::vector<core::NewFile> files_of(const Model& model, const SearchOptions& opt
                                     const Searched& searched, const std::string& folder,
                                     const std::string& command) {
   const SearchResult& found = searched.found;
-  const Walk walk{model.name, options.rollout.mode, options.rollout.walk_until_s, found.walk,
-                  options.rollout.command_delay_s};
+  const Walk walk = walk_of(model, options.rollout, found.walk);
   return {{folder + "/walk.json", to_json_text(found, searched.robustness, options, model)},
           {folder + "/report.html", render_walk_report(model, options.rollout, found.walk, found.rollout,
                                                        found.state.history, searched.robustness, command)},

@@ -53,8 +53,14 @@ inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_
   o.mode = mode;
   o.walk_until_s = walk_until_s;
   o.limits = model.limits;
-  o.command_delay_s = std::clamp(model.machine.delay_s, 0.0, kMostCommandDelay_s);
+  o.command_delay_s = std::max(model.machine.delay_s, 0.0);
   return o;
+}
+
+/// What a board gets of a walk that was found so.
+inline Walk walk_of(const Model& model, const RolloutOptions& options, const Parameters& found) {
+  return {model.name, options.mode, options.walk_until_s, found,
+          std::min(options.command_delay_s, kMostCommandDelay_s)};
 }
 
 /// Robots about the model that no search has seen, for robustness_of.

@@ -87,8 +87,7 @@ FoundWalk search(const Model& model, const std::string& mode, const std::string&
           options.threads,
           [&](double fraction) { tell(0.98 + 0.02 * fraction, "the walk again, with errors"); });
     out.json = walk::to_json_text(found, checked, options, biped);
-    out.walk =
-        walk::format_walk({biped.name, options.rollout.mode, options.rollout.walk_until_s, found.walk});
+    out.walk = walk::format_walk(walk::walk_of(biped, options.rollout, found.walk));
     out.report = walk::render_walk_report(biped, options.rollout, found.walk, found.rollout,
                                           found.state.history, checked, "furcula.search_walk");
   });

@@ -72,6 +72,33 @@ TEST_CASE("a member that deviates in nothing is the robot, whoever is in the lan
   }
 }
 
+TEST_CASE("when a push begins hangs on no other lane, though its time is no number of the lanes' type") {
+  using T = dynamics::SimdBatch<float, 8>;
+  constexpr double kTick_s = 1e-3;
+  const auto pushed_at = [](double begin_s) {
+    Member m = still(dynamics::biped::design());
+    m.pushes[0] = {begin_s, begin_s + 0.1, 1.0, 0.0};
+    return m;
+  };
+  for (int k = 0; k < 20; ++k) {
+    const float now_s = 1.0f + 0.001f * static_cast<float>(k);
+    // In single precision the first one begins in the middle of the tick, in double before it. The second one has begun.
+    const double middle_s = static_cast<double>(now_s) + 0.5 * kTick_s;
+    const Member edge = pushed_at(middle_s - 1e-9), begun = pushed_at(middle_s - 0.01);
+    const auto field = [&](const Member& beside) {
+      MemberBatch<T> members;
+      dynamics::tree::Vec3<T> out{T(0.0f), T(0.0f), T(0.0f)};
+      for (std::size_t lane = 0; lane < 8; ++lane)
+        members.begin(lane, lane == 0 ? edge : beside, {0.0, 0.0, -9.81});
+      members.push(T(0.0f), kTick_s, out);
+      members.push(T(now_s), kTick_s, out);
+      return out.x[0];
+    };
+    INFO(k);
+    CHECK(field(begun) == field(edge));
+  }
+}
+
 TEST_CASE("a member's numbers are its own: what a lane does is what its robot does by itself, in double") {
   const auto robot = dynamics::biped::design();
   biped::Machine machine;

@@ -1,7 +1,7 @@
 // SIMD batches: N numbers that are added, multiplied and compared at once, one robot (or one leg) in each lane.
 //
 // Each lane has the bits that the same operations on plain numbers have: each operation is rounded as IEEE 754 says, nothing is
-// contracted (-ffp-contract=off; GCC 12 also needs -mno-fma where it may use FMA, since it makes vfmaddsub of plain numbers in spite
+// contracted (-ffp-contract=off; GCC 12 also needs -mno-fma where it may use FMA, with AVX-512 -fno-tree-slp-vectorize, too, since it makes vfmaddsub of plain numbers in spite
 // of the former), and the lanes are independent. These are GCC's vector extensions, which clang has too; the compiler splits a
 // vector that is wider than the processor's registers. The functions of the second half exist for plain numbers and for dual numbers
 // as well, so that an algorithm without branches is written once: a condition is a mask, and `select` chooses by it.
