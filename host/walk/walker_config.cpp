@@ -28,8 +28,8 @@ control::WalkerConfig walker_config(const Description& robot, const Walk& walk, 
   c.sole_m = static_cast<float>(-robot.vertices_m[kLeft][0].z);
   // One lost answer, as with answers in each tick.
   if (turns != DriveTurns::each_tick) c.supervisor.missed_max = 3;
-  static_assert(control::kTorqueLagMost ==
-                2 + static_cast<std::uint32_t>(kMostCommandDelay_s / kTick_s + 0.5));
+  constexpr double kBeyondBuses = control::kTorqueLagMost - 2, kDelay = kMostCommandDelay_s / kTick_s;
+  static_assert(kDelay > kBeyondBuses - 0.5 && kDelay < kBeyondBuses + 0.5);
   // What is read now was answered in the last tick, to what was told two ticks before that.
   if (turns == DriveTurns::over_buses) c.supervisor.torque_lag_ticks = 2;
   c.supervisor.torque_lag_ticks += static_cast<std::uint32_t>(std::lround(walk.command_delay_s / kTick_s));
