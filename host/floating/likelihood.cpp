@@ -232,16 +232,29 @@ std::vector<double> fit_locals(const std::vector<Recording>& recordings, const s
   return out;
 }
 
-std::vector<double> refit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
-                                 const Variances& v, Point& point, const Settings& settings) {
-  constexpr int kDerivatives = 6;
+namespace {
+
+/// `move` fits each window from where its own unknowns are, which end where it leaves them.
+template <class Move>
+void each_window(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                 const Variances& v, Point& point, const Settings& settings, const Move& move) {
   const Plant plant = plant_of(point.machine);
-  std::vector<double> out(windows.size());
   core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
     WindowFit fit(recordings[windows[w].recording], windows[w], v, point.machine, plant, settings.step_s,
                   point.locals[w]);
-    fit.improve(kDerivatives);
+    move(w, fit);
     point.locals[w] = fit.locals();
+  });
+}
+
+}  // namespace
+
+std::vector<double> refit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                                 const Variances& v, Point& point, const Settings& settings) {
+  constexpr int kDerivatives = 6;
+  std::vector<double> out(windows.size());
+  each_window(recordings, windows, v, point, settings, [&](std::size_t w, WindowFit& fit) {
+    fit.improve(kDerivatives);
     out[w] = fit.cost();
   });
   return out;
@@ -253,14 +266,10 @@ std::vector<Moved> fit_locals_along(const std::vector<Recording>& recordings,
                                     const std::vector<Marginal>& marginals, const std::vector<double>& before,
                                     const Variances& v, Point& point, const Settings& settings) {
   constexpr int kDerivatives = 1;
-  const Plant plant = plant_of(point.machine);
   std::vector<Moved> out(windows.size());
-  core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
-    WindowFit fit(recordings[windows[w].recording], windows[w], v, point.machine, plant, settings.step_s,
-                  point.locals[w]);
+  each_window(recordings, windows, v, point, settings, [&](std::size_t w, WindowFit& fit) {
     fit.along(nearby[w], marginals[w]);
     if (!(fit.cost() < before[w])) fit.improve(kDerivatives);
-    point.locals[w] = fit.locals();
     out[w] = {fit.residual(), fit.cost()};
   });
   return out;

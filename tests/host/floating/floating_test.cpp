@@ -129,6 +129,30 @@ TEST_CASE(
   CHECK(identified_errors.attitude_rad < 1.05 * given.attitude_rad);  // that of the filter, mostly
 }
 
+TEST_CASE("a run that begins where it differs from the first one is the same as by itself, to the bit") {
+  const Recording r = recording_of(log_of(dynamics::biped::design(), "active", 1, 4.0));
+  const std::vector<Window> windows = windows_of(r, 0, 0.3);
+  const Machine machine = nominal();
+  const Plant plant = plant_of(machine);
+  const Local here = Local::Constant(1e-4);
+  for (const std::size_t w : {std::size_t{0}, windows.size() - 1}) {
+    // The knots of eight channels, one knot after the other as a linearisation has them, and a start's number behind them.
+    std::vector<Variant> variants{{&machine, &plant, here.data()}};
+    for (std::size_t knot = 0; knot < kKnots; ++knot)
+      for (std::size_t k = 0; k < 8; ++k)
+        variants.push_back(
+            {&machine, &plant, here.data(), static_cast<int>(kStart + k * kKnots + knot), 5.0});
+    variants.push_back({&machine, &plant, here.data(), 9, 1e-3});
+    const Eigen::MatrixXd together = residuals(r, windows[w], variants, 1e-3);
+    for (std::size_t k = 0; k < variants.size(); ++k) {
+      INFO("window " << w << ", run " << k);
+      const Eigen::MatrixXd alone = residuals(r, windows[w], std::span(&variants[k], 1), 1e-3);
+      CHECK((together.col(static_cast<Eigen::Index>(k)) == alone.col(0)));
+      if (k > 0) CHECK((alone.col(0) != together.col(0)));
+    }
+  }
+}
+
 TEST_CASE(
     "a fit begins at the robot that fewer recordings gave where that is likelier, and else at the model") {
   auto robot = dynamics::biped::design();
