@@ -26,6 +26,7 @@
 #include "host/log/writer.hpp"
 #include "host/walk/checkpoint.hpp"
 #include "host/walk/ensemble.hpp"
+#include "host/walk/exercise.hpp"
 #include "host/walk/searched.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
@@ -213,6 +214,9 @@ void search(const WalkOptions& o, const Distribute& distribute) {
 void show(const WalkOptions& o) {
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of("--walk", o.walk, o, model);
+  if (walk.exercise_s > 0.0)
+    throw UsageError("--walk " + core::printable(o.walk) +
+                     ": an exercise on the stand; expected a walk, without exercise_s");
   const OutFolder folder(o.out);
   const walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
   const walk::Rollout r = walk::run_walk(model.robot, rollout, walk.parameters);
@@ -245,6 +249,15 @@ void simulate(const WalkOptions& o) {
     throw UsageError("--out " + core::printable(o.out) + " is the walk; expected another file");
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of("--walk", o.walk, o, model);
+  if (walk.exercise_s > 0.0) {
+    if (o.seconds)
+      throw UsageError("--seconds: not of an exercise, whose time is exercise_s of " +
+                       core::printable(o.walk));
+    log::write_log(walk::simulate_exercise(model.robot, walk, 1.0 / o.rate_hz, o.sensor_seed), o.out,
+                   o.comments.of_log());
+    std::printf("an exercise of %.3g s on the stand\n", walk.exercise_s);
+    return;
+  }
   // A longer run walks longer, and has as long to stand.
   walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
   rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));

@@ -30,6 +30,7 @@ std::string format_walk(const Walk& walk) {
                     "\nmode = \"" + std::string(kModeNames[static_cast<std::size_t>(walk.mode)]) +
                     "\"\nwalk_until_s = " + core::toml_float(walk.walk_until_s) + "\n";
   if (walk.command_delay_s > 0.0) out += "command_delay_s = " + core::toml_float(walk.command_delay_s) + "\n";
+  if (walk.exercise_s > 0.0) out += "exercise_s = " + core::toml_float(walk.exercise_s) + "\n";
   const auto values = walk.parameters.values();
   std::string_view table;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -42,8 +43,8 @@ std::string format_walk(const Walk& walk) {
 }
 
 Walk parse_walk(std::string_view text, const std::string& name) {
-  static constexpr std::array<std::string_view, 5> kKeys{"schema", "robot", "mode", "walk_until_s",
-                                                         "command_delay_s"};
+  static constexpr std::array<std::string_view, 6> kKeys{"schema",       "robot",           "mode",
+                                                         "walk_until_s", "command_delay_s", "exercise_s"};
   const toml::table file = core::parse_toml(text, name);
   const toml::table& head = section(file, name, "walk");
   core::refuse_unknown_keys(head, name, "[walk]", kKeys);
@@ -62,6 +63,8 @@ Walk parse_walk(std::string_view text, const std::string& name) {
       core::number(entry(head, name, "walk_until_s", "[walk]"), name, "walk_until_s", 0.0, 1e4, "s");
   if (const toml::node* delay = head.get("command_delay_s"))
     out.command_delay_s = core::number(*delay, name, "command_delay_s", 0.0, kMostCommandDelay_s, "s");
+  if (const toml::node* exercise = head.get("exercise_s"))
+    out.exercise_s = core::number(*exercise, name, "exercise_s", 0.0, 1e3, "s");
 
   // Each table's keys, and the tables of tables.
   std::vector<std::string_view> top{"walk"};

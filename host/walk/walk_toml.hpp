@@ -15,6 +15,8 @@ struct Walk {
   Parameters parameters;
   /// Of the drives that it was searched with: the board's supervisor expects their torques so much later.
   double command_delay_s = 0.0;
+  /// Above 0: the legs move on the stand for so long, in place of a walk (furcula/control/walk/exercise.hpp).
+  double exercise_s = 0.0;
 };
 
 std::string format_walk(const Walk& walk);

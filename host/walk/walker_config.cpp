@@ -23,6 +23,7 @@ control::WalkerConfig walker_config(const Description& robot, const Walk& walk, 
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(given[i]);
   c.walk = {control::WalkParameters<float>::of(values), dynamics::biped::Parameters<float>(robot)};
   c.walk.walk_until_s = static_cast<float>(walk.walk_until_s);
+  c.exercise_s = static_cast<float>(walk.exercise_s);
   c.passive_pins = passive_pins(walk.mode);
   c.foot_threshold_n = static_cast<float>(foot_threshold_n);
   c.sole_m = static_cast<float>(-robot.vertices_m[kLeft][0].z);

@@ -132,9 +132,14 @@ void WalkerRig::advance(const control::WalkerOutputs& told) {
     pins_[pin] += std::clamp(target - pins_[pin], -stroke, stroke);
   }
   if (told.stage == control::WalkerStage::walking) on_stand_ = false;
+  if (told.stage == control::WalkerStage::exercising && !exercises_) {
+    constexpr double kAboveGround_m = 1.0;
+    exercises_ = true;
+    s_.position_m.z += kAboveGround_m;
+  }
   time_s_ += kTick_s;
   largest_nm_ = largest_radps_ = 0.0;
-  if (on_stand_) {
+  if (on_stand_ && !exercises_) {
     for (std::size_t i = 0; i < kJoints; ++i)
       set_joint<double>(report_.torque.motor_nm, i,
                         static_cast<double>(told_[i].stiffness_nmprad) *
@@ -160,7 +165,10 @@ void WalkerRig::advance(const control::WalkerOutputs& told) {
       set_joint<double>(command.target_rad, i, static_cast<double>(told_[i].target_rad) - loop_error_rad(i));
     }
     const Joints<double> speeds = s_.qd_radps;
-    step<true>(plant_, laws_, command, kTick_s / kStepsATick, s_, report_);
+    if (on_stand_)
+      step<true, DesignTopology, true>(plant_, laws_, command, kTick_s / kStepsATick, s_, report_);
+    else
+      step<true>(plant_, laws_, command, kTick_s / kStepsATick, s_, report_);
     for (std::size_t i = 0; i < kJoints; ++i) {
       largest_radps_ = std::max(largest_radps_, std::abs(of(speeds, i)));
       if (!laws_[0][i % kLegJoints].joined[i / kLegJoints]) continue;

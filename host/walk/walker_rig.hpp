@@ -62,7 +62,7 @@ class WalkerRig {
 
   explicit WalkerRig(const WalkerRigConfig& config);
 
-  /// What the devices give in this tick. The robot hangs on its stand, in its posture, until the board walks.
+  /// What the devices give in this tick. The robot hangs on its stand until the board walks: in its posture, or moving its legs in an exercise.
   control::WalkerInputs sense();
   /// A tick under these commands.
   void advance(const control::WalkerOutputs& told);
@@ -96,7 +96,7 @@ class WalkerRig {
   control::WalkerSample before_;  ///< what broke, as it was
   double stuck_rad_ = 0.0;        ///< true angle where the encoder stands still
   double time_s_ = 0.0, largest_nm_ = 0.0, largest_radps_ = 0.0, positive_j_ = 0.0;
-  bool on_stand_ = true, was_pushed_ = false;
+  bool on_stand_ = true, exercises_ = false, was_pushed_ = false;
 };
 
 }  // namespace furcula::walk

@@ -62,6 +62,36 @@ TEST_CASE("10 s of walking with sensors that err: stands, without a false alarm"
 }
 
 TEST_CASE(
+    "an exercise on the stand moves the legs as far as it says, without a false alarm, and a fault ends it") {
+  for (const char* mode : {"active", "semi_passive"})
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      WalkerRigConfig config = rig_of(mode, seed);
+      Walking w(config);
+      w.board.exercise_s = 10.0f;
+      INFO(mode << ", seed " << seed);
+      float least_rad = 10.0f, most_rad = -10.0f;
+      while (w.rig.time_s() < 11.0 && w.told.fault == Fault::none) {
+        w.tick();
+        if (w.told.stage != WalkerStage::exercising) continue;
+        const float knee_rad = w.state.last.joints[dynamics::biped::kKnee].angle_rad;
+        least_rad = std::min(least_rad, knee_rad), most_rad = std::max(most_rad, knee_rad);
+      }
+      CHECK(w.told.fault == Fault::none);
+      CHECK(w.told.stage == WalkerStage::exercising);
+      CHECK(most_rad - least_rad > 0.25f);
+      CHECK(w.rig.state().v_mps.z == 0.0);
+
+      config.fault = WalkerFault::drive_silent;
+      config.fault_s = 5.0;
+      Walking broken(config);
+      broken.board.exercise_s = 10.0f;
+      while (broken.rig.time_s() < 6.0 && broken.told.fault == Fault::none) broken.tick();
+      CHECK(broken.told.fault == Fault::drive_silent);
+      CHECK(broken.told.stage == WalkerStage::damped);
+    }
+}
+
+TEST_CASE(
     "a bus a leg at 500 Hz does for the walk: no false alarm, and a dead drive is found two answers later") {
   for (const char* mode : {"active", "semi_passive"})
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {

@@ -38,7 +38,22 @@ TEST_CASE("a walk is read as it was written") {
   CHECK(read.walk_until_s == walk.walk_until_s);
   CHECK(read.parameters.values() == values);
   CHECK_THAT(text, Contains("[up.swing]\nhip_pitch_rad = ") && Contains("[stop]\nblend_s = "));
-  CHECK_THAT(text, !Contains("command_delay_s"));
+  CHECK_THAT(text, !Contains("command_delay_s") && !Contains("exercise_s"));
+}
+
+TEST_CASE("a walk file with an exercise has the board move the legs on the stand, in place of a walk") {
+  Walk walk;
+  walk.robot = "furcula_biped";
+  walk.parameters = test::start_walk();
+  walk.exercise_s = 12.5;
+  const Walk read = parse_walk(format_walk(walk), "walk.toml");
+  CHECK(read.exercise_s == 12.5);
+  const auto robot = read_model(test::source("models/biped/biped.toml")).robot;
+  CHECK(walker_config(robot, read, 30.0, DriveTurns::each_tick).exercise_s == 12.5f);
+  CHECK_THAT(test::error_message([&] {
+               parse_walk(changed(format_walk(read), "exercise_s = 12.5", "exercise_s = -1.0"), "walk.toml");
+             }),
+             Contains("walk.toml:6") && Contains("exercise_s"));
 }
 
 TEST_CASE("a walk that was searched for late drives tells the board when their torques are to be expected") {

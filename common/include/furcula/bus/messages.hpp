@@ -281,7 +281,8 @@ inline constexpr std::array<Signal, 7> kPinTargets{{
 }};
 inline constexpr std::array<Signal, 8> kWalkState{{
     version(),
-    code("Stage", 4, 4, "0: idle, 1: joining, 2: walking, 3: damped after a fault."),
+    code("Stage", 4, 4,
+         "0: idle, 1: joining, 2: walking, 3: damped after a fault, 4: exercising on the stand."),
     sequence(),
     code("Fault", 16, 8, "Number in the table of faults (docs/safety.md); 0: none."),
     code("Suspect", 24, 4, "The joint that the fault is of, from 0 on in the order of its ids; 12: none."),

@@ -4,6 +4,7 @@
 //   idle     drives off
 //   joining  after the request to walk: on a stand the drives hold the posture, the pins go in, the vertical is measured
 //   walking  the walk, until it stands, and standing
+//   exercising  in place of a walk, on the stand: the legs move (exercise.hpp)
 //   damped   a fault: each drive brakes its joint with a limited torque, and so takes energy out only; the drive of the
 //            joint with the fault is off. Ends with a reset; to walk needs a new request
 #pragma once
@@ -14,6 +15,7 @@
 #include <type_traits>
 
 #include "furcula/control/walk/attitude_filter.hpp"
+#include "furcula/control/walk/exercise.hpp"
 #include "furcula/control/walk/walk.hpp"
 #include "furcula/control/walk/walk_supervisor.hpp"
 #include "furcula/control/walk/walker_sample.hpp"
@@ -28,6 +30,7 @@ struct WalkerConfig {
   WalkSupervisorConfig supervisor;  ///< limits
   /// A bit for each pin that is to be in the spring's rotator: both hips' of a semi-passive walk.
   std::uint32_t passive_pins = 0;
+  float exercise_s = 0.0f;         ///< above 0: the legs move on the stand for so long, in place of a walk
   float foot_threshold_n = 30.0f;  ///< load from which on a foot is on the ground (FootSwitch)
   float sole_m = 0.09f;            ///< depth of the sole below the ankle
   std::uint32_t rest_ticks = 100;  ///< over which the vertical is measured
@@ -46,10 +49,11 @@ struct WalkerInputs {
 
 /// Stage of the controller.
 enum class WalkerStage : std::uint8_t {
-  idle,     ///< drives off
-  joining,  ///< on the stand: the drives hold the posture, the pins go in, the vertical is measured
-  walking,  ///< the walk, until it stands, and standing
-  damped    ///< after a fault: the drives brake
+  idle,       ///< drives off
+  joining,    ///< on the stand: the drives hold the posture, the pins go in, the vertical is measured
+  walking,    ///< the walk, until it stands, and standing
+  damped,     ///< after a fault: the drives brake
+  exercising  ///< on the stand: the legs move, then hold the posture
 };
 
 /// Made by begin_walker(); one that was not is in the fault bad_configuration.
@@ -61,6 +65,7 @@ struct WalkerState {
   WalkSupervisorState supervisor;  ///< has the latched fault
   AttitudeFilter<float> filter{{1.0f, 0.0f, 0.0f, 0.0f}, {}};  ///< of the pelvis
   WalkState<float> walk;                                       ///< made when `joining` begins
+  ExerciseState exercise;                                      ///< of `exercising`
   std::array<FootSwitch<float>, 2> feet{};                     ///< left and right
   dynamics::tree::Vec3<float> acc_sum{};  ///< sum of the accelerometer over the ticks at rest
   std::uint32_t rests = 0;                ///< ticks at rest in a row, in `joining`
@@ -94,7 +99,8 @@ inline Status check(const WalkerConfig& c) {
   for (const auto& leg : c.walk.body.drives)
     for (const auto& drive : leg)
       if (!(drive.kp_nmprad > 0.0f) || !(drive.kd_nmsprad >= 0.0f)) return Status::invalid;
-  return c.damping_nmsprad >= 0.0f && c.rest_ticks > 0 && c.supervisor.torque_lag_ticks <= kTorqueLagMost
+  return c.damping_nmsprad >= 0.0f && is_finite(c.exercise_s) && c.exercise_s >= 0.0f && c.rest_ticks > 0 &&
+                 c.supervisor.torque_lag_ticks <= kTorqueLagMost
              ? Status::ok
              : Status::invalid;
 }
@@ -190,7 +196,7 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
   seen.tick_interval_us = in.tick_interval_us;
   seen.passive_pins = c.passive_pins;
   seen.on_stand = s.stage != WalkerStage::walking;
-  seen.driven = s.stage == WalkerStage::joining || s.stage == WalkerStage::walking;
+  seen.driven = s.stage != WalkerStage::idle && s.stage != WalkerStage::damped;
   WalkOutputs<float> walked;
   if (s.stage == WalkerStage::walking) {
     for (std::size_t side = 0; side < 2; ++side) {
@@ -214,6 +220,8 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
     seen.up = up;
     seen.height_m = (left_m > right_m ? left_m : right_m) + c.sole_m;
   }
+  if (s.stage == WalkerStage::exercising)
+    step_attitude(c.attitude, {s.last.gyro_radps, s.last.acc_mps2}, dt_s, s.filter);
   const auto& w = c.walk.walk;
   seen.stride_s = 2.5f * (w.up_s + w.down_s);  // of two steps, with a margin
   seen.phase = s.walk.phase[0];
@@ -227,14 +235,21 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
   } else if (s.stage == WalkerStage::walking) {
     for (std::size_t i = 0; i < kWalkerJoints; ++i)
       detail::hold(c, i, joint<float>(walked.target_rad, i), out);
+  } else if (s.stage == WalkerStage::exercising) {
+    JointAngles posture_rad;
+    for (std::size_t i = 0; i < kWalkerJoints; ++i) posture_rad[i] = joint<float>(s.walk.from_rad, i);
+    const JointAngles targets_rad = step_exercise(posture_rad, c.exercise_s, dt_s, s.exercise);
+    for (std::size_t i = 0; i < kWalkerJoints; ++i) detail::hold(c, i, targets_rad[i], out);
   } else if (s.stage == WalkerStage::joining) {
     for (std::size_t i = 0; i < kWalkerJoints; ++i) detail::hold(c, i, joint<float>(s.walk.from_rad, i), out);
     const bool vertical = detail::measure_vertical(c, s);
     const bool heard = s.supervisor.heard == kAllDevices;
     if (vertical && heard && detail::pin_out_of_place(c.supervisor, seen) == kNoJoint) {
       s.filter = attitude_at_rest(s.acc_sum);
-      for (auto& foot : s.feet) foot = {1.0f, 0.0f};
-      s.stage = WalkerStage::walking;
+      const bool walks = !(c.exercise_s > 0.0f);
+      for (auto& foot : s.feet) foot = {walks ? 1.0f : 0.0f, 0.0f};
+      s.exercise = {};
+      s.stage = walks ? WalkerStage::walking : WalkerStage::exercising;
     }
   }
   note_told(c.supervisor, s.supervisor, out.joints);

@@ -46,8 +46,8 @@ FURCULA_INLINE tree::Motion<T> solved(const Articulated<T>& a) {
 
 }  // namespace detail
 
-/// Accelerations of pelvis and joints at state `s` under `act`. `k` is kinematics() of `s`.
-template <class Topology, class P, class T>
+/// Accelerations of pelvis and joints at state `s` under `act`. `k` is kinematics() of `s`. kHeld: a stand holds the pelvis, which is at rest.
+template <class Topology, bool kHeld = false, class P, class T>
 FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinematics<T>& k,
                                      const Actions<T>& act, Accelerations<T>& out) {
   using L = LegScalar<T>;
@@ -95,7 +95,13 @@ FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinema
 #undef FURCULA_BOTH
   add_body(a, p.pelvis, s.w_radps);
   // Seen from free fall, in which gravity acts on nothing.
-  const tree::Motion<T> pelvis = detail::solved(a);
+  tree::Motion<T> pelvis;
+  if constexpr (kHeld) {
+    const T none = T(ValueOf<T>(0));
+    pelvis = {{none, none, none}, -transposed_times(k.pelvis_rotation, act.gravity_mps2)};
+  } else {
+    pelvis = detail::solved(a);
+  }
   out.wd_radps2 = pelvis.w;
   out.vd_mps2 = pelvis.v + transposed_times(k.pelvis_rotation, act.gravity_mps2) - cross(s.w_radps, s.v_mps);
 
@@ -126,12 +132,12 @@ FURCULA_INLINE void forward_dynamics(const P& p, const State<T>& s, const Kinema
 }
 
 /// The same, with the kinematics computed here.
-template <class Topology = DesignTopology, class P, class T>
+template <class Topology = DesignTopology, bool kHeld = false, class P, class T>
 Accelerations<T> accelerations(const P& p, const State<T>& s, const Actions<T>& act) {
   Kinematics<T> k;
   kinematics<Topology>(p, s, k);
   Accelerations<T> out;
-  forward_dynamics<Topology>(p, s, k, act, out);
+  forward_dynamics<Topology, kHeld>(p, s, k, act, out);
   return out;
 }
 

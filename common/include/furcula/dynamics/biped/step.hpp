@@ -71,7 +71,7 @@ FURCULA_INLINE void step_motors(const Parameters<T>& p, const JointLaws<T>& laws
 }
 
 /// Writes torques, contact and accelerations at state `s` to `out`, and its kinematics to `k`.
-template <bool kSwitched, class Topology, class P, class T>
+template <bool kSwitched, class Topology, bool kHeld = false, class P, class T>
 FURCULA_INLINE void evaluate(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const State<T>& s,
                              Kinematics<T>& k, StepReport<T>& out) {
   kinematics<Topology>(p, s, k);
@@ -86,15 +86,16 @@ FURCULA_INLINE void evaluate(const P& p, const JointLaws<T>& laws, const Command
       for (std::size_t i = 0; i < kClutches; ++i) act.torque_nm[pass][kClutchJoints[i]] += c.pin_nm[pass][i];
   }
   act.gravity_mps2 = p.gravity_mps2;
-  forward_dynamics<Topology>(p, s, k, act, out.acceleration);
+  forward_dynamics<Topology, kHeld>(p, s, k, act, out.acceleration);
 }
 
 /// One semi-implicit Euler step of length `h_s`. kSwitched: joints may be in modes other than active; motors behind open clutches move.
-template <bool kSwitched = false, class Topology = DesignTopology, class P, class T>
+/// kHeld: a stand holds the pelvis.
+template <bool kSwitched = false, class Topology = DesignTopology, bool kHeld = false, class P, class T>
 void step(const P& p, const JointLaws<T>& laws, const Commands<T>& c, const T& h_s, State<T>& s,
           StepReport<T>& out) {
   Kinematics<T> k;
-  evaluate<kSwitched, Topology>(p, laws, c, s, k, out);
+  evaluate<kSwitched, Topology, kHeld>(p, laws, c, s, k, out);
   kick(s, out.acceleration, h_s);
   const Joints<T> before = s.q_rad;
   drift(k.pelvis_rotation, h_s, s);

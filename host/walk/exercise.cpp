@@ -1,0 +1,45 @@
+#include "host/walk/exercise.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "host/core/error.hpp"
+#include "host/core/message.hpp"
+#include "host/walk/board_log.hpp"
+#include "host/walk/walker_config.hpp"
+#include "host/walk/walker_rig.hpp"
+
+namespace furcula::walk {
+
+log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk& walk, double row_s,
+                           std::optional<std::uint64_t> seed) {
+  const WalkerRigConfig config{.robot = robot, .mode = walk.mode, .walk = walk.parameters, .seed = seed};
+  WalkerRig rig(config);
+  const control::WalkerConfig board =
+      walker_config(robot, walk, config.foot_threshold_n, DriveTurns::each_tick);
+  control::WalkerState state = control::begin_walker(board);
+  log::Log log;
+  log.rig = "tree";
+  const auto every = std::lround(row_s / WalkerRig::kTick_s);
+  const auto ticks = std::lround((walk.exercise_s + kExerciseRest_s) / WalkerRig::kTick_s);
+  for (long tick = 0; tick <= ticks;) {
+    const control::WalkerInputs in = rig.sense();
+    // An IMU that repeats itself to the last bit is a frozen one; without errors it does so here.
+    if (!seed) state.supervisor.imu_same = 0;
+    const control::WalkerOutputs told =
+        control::step_walker(board, state, in, static_cast<float>(WalkerRig::kTick_s));
+    rig.advance(told);
+    if (told.fault != control::Fault::none)
+      throw core::DataError("the board ends the exercise after " +
+                            core::rounded(WalkerRig::kTick_s * static_cast<double>(tick), 3) +
+                            " s: " + std::string(control::info(told.fault).name) +
+                            "; expected a robot that follows its targets on its stand");
+    if (told.stage != control::WalkerStage::exercising) continue;
+    if (tick % every == 0)
+      put_row(log, WalkerRig::kTick_s * static_cast<double>(tick), in.sample, state, told);
+    ++tick;
+  }
+  return log;
+}
+
+}  // namespace furcula::walk
