@@ -90,56 +90,94 @@ double log_normal_tail(double z) {
 
 }  // namespace
 
+namespace {
+
+/// A number in windows' estimates, given the spread of the windows' own values.
+class Spread {
+ public:
+  Spread(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
+         const std::vector<std::size_t>& phase) {
+    for (Eigen::Index w = 0; w < information.size(); ++w)
+      if (information[w] > 1e-12)
+        seen_.push_back(
+            {score[w] / information[w], 1.0 / information[w], phase[static_cast<std::size_t>(w)]});
+    phases_.resize(phase.empty() ? 0 : 1 + *std::max_element(phase.begin(), phase.end()));
+  }
+
+  /// How likely the windows are if theta is normal with that variance, by Laplace's approximation about the likeliest theta that iterations from
+  /// `from` on end at.
+  double log_evidence(double spread, double prior_variance, double from, RandomEffect& out) {
+    constexpr int kSweeps = 20;
+    const double between = spread * spread;
+    double posterior = 0.0;
+    out = {0.0, from, 0.0, spread};
+    for (Phase& p : phases_) p.at = from;
+    for (int k = 0; k < kSweeps; ++k) {
+      for (Phase& p : phases_) p.mean = p.precision = 0.0;
+      for (const Seen& s : seen_) {
+        Phase& p = phases_[s.phase];
+        const double variance = s.variance + between, off = s.x - p.at;
+        const double weight = (kFreedom + 1.0) / (kFreedom + off * off / variance) / variance;
+        p.mean += weight * s.x, p.precision += weight;
+      }
+      posterior = prior_variance > 0.0 ? 1.0 / prior_variance : 0.0;
+      double weighted = 0.0;
+      for (Phase& p : phases_) {
+        if (!(p.precision > 0.0)) continue;
+        p.mean /= p.precision;
+        const double of_phase = p.precision / (1.0 + between * p.precision);
+        posterior += of_phase, weighted += of_phase * p.mean;
+      }
+      out.theta = prior_variance > 0.0 ? weighted / posterior : 0.0;
+      for (Phase& p : phases_)
+        p.at = out.theta + (p.mean - out.theta) * between * p.precision / (1.0 + between * p.precision);
+    }
+    double sum = 0.0;
+    for (const Seen& s : seen_) {
+      const double variance = s.variance + between, off = s.x - phases_[s.phase].at;
+      sum -= 0.5 * (std::log(variance) + (kFreedom + 1.0) * std::log1p(off * off / (kFreedom * variance)));
+    }
+    for (const Phase& p : phases_) {
+      if (!(p.precision > 0.0)) continue;
+      sum -= 0.5 * std::log1p(between * p.precision);
+      if (between > 0.0) sum -= 0.5 * (p.at - out.theta) * (p.at - out.theta) / between;
+    }
+    if (prior_variance > 0.0)
+      sum -= 0.5 * (out.theta * out.theta / prior_variance + std::log(prior_variance * posterior));
+    out.sd = posterior > 0.0 ? 1.0 / std::sqrt(posterior) : 0.0;
+    return sum;
+  }
+
+ private:
+  struct Seen {
+    double x, variance;
+    std::size_t phase;
+  };
+  struct Phase {
+    double at = 0.0, mean = 0.0, precision = 0.0;
+  };
+  std::vector<Seen> seen_;
+  std::vector<Phase> phases_;
+};
+
+}  // namespace
+
 RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
                            const std::vector<std::size_t>& phase, double tick, bool positive) {
   constexpr int kSpreads = 40;
-  const std::size_t phases = phase.empty() ? 0 : 1 + *std::max_element(phase.begin(), phase.end());
-  struct Mean {
-    double value = 0.0, precision = 0.0;
-  };
-  std::vector<Mean> means(phases);
-  RandomEffect best;
-  double with = -std::numeric_limits<double>::infinity(), without = with;
+  Spread windows(information, score, phase);
+  RandomEffect best, here;
+  double with = -std::numeric_limits<double>::infinity(), without = with, last = 0.0;
+  // From the widest spread on, at which windows' values hardly pull: the mode of one is near that of the next.
   for (int k = 0; k <= kSpreads; ++k) {
-    // Means of the phases, and how likely the windows are about them.
-    const double spread = k == 0 ? 0.0 : std::pow(10.0, -2.0 + 3.5 * (k - 1) / (kSpreads - 1));
-    double within = 0.0;
-    std::fill(means.begin(), means.end(), Mean{});
-    const auto each = [&](auto&& use) {
-      for (Eigen::Index w = 0; w < information.size(); ++w)
-        if (information[w] > 1e-12)
-          use(means[phase[static_cast<std::size_t>(w)]], score[w] / information[w],
-              1.0 / information[w] + spread * spread);
-    };
-    each([](Mean& m, double x, double variance) { m.value += x / variance, m.precision += 1.0 / variance; });
-    for (Mean& m : means) {
-      if (!(m.precision > 0.0)) continue;
-      m.value /= m.precision;
-      within -= 0.5 * std::log(m.precision);
+    const double spread = k == kSpreads ? 0.0 : std::pow(10.0, 1.5 - 3.5 * k / (kSpreads - 1));
+    without = std::max(without, windows.log_evidence(spread, tick * tick, 0.0, here));
+    for (const double from : {0.0, last}) {
+      double l = windows.log_evidence(spread, 1.0 + tick * tick, from, here);
+      if (positive) l += std::log(2.0) + log_normal_tail(here.theta / here.sd);
+      if (l > with) with = l, best = here;
     }
-    each([&](const Mean& m, double x, double variance) {
-      within -= 0.5 * (std::log(variance) + (x - m.value) * (x - m.value) / variance);
-    });
-    double between = within, precision = 0.0, weighted = 0.0;
-    for (const Mean& m : means) {
-      if (!(m.precision > 0.0)) continue;
-      const double variance = 1.0 / m.precision + spread * spread;
-      between -= 0.5 * (std::log(variance) + m.value * m.value / variance);
-      precision += 1.0 / variance;
-      weighted += m.value / variance;
-    }
-    const auto evidence = [&](double prior_variance, bool half, RandomEffect& out) {
-      if (!(prior_variance > 0.0)) return between;
-      const double posterior = precision + 1.0 / prior_variance;
-      out.theta = weighted / posterior;
-      out.sd = 1.0 / std::sqrt(posterior);
-      return between + 0.5 * weighted * out.theta - 0.5 * std::log(posterior * prior_variance) +
-             (half ? std::log(2.0) + log_normal_tail(out.theta / out.sd) : 0.0);
-    };
-    RandomEffect here, none;
-    here.spread = spread;
-    without = std::max(without, evidence(tick * tick, false, none));
-    if (const double l = evidence(1.0 + tick * tick, positive, here); l > with) with = l, best = here;
+    last = here.theta;
   }
   best.log_bayes_factor = with - without;
   return best;
@@ -147,11 +185,15 @@ RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::Vect
 
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
                           const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
-                          const Variances& variances, unsigned threads) {
+                          const std::vector<Variances>& variances, unsigned threads) {
   constexpr std::size_t kPhases = 4;  // later ones are alike
   std::vector<std::size_t> phase;
-  for (const Window& w : windows)
-    phase.push_back(std::min(w.phase, kPhases - 1) * 4 + (w.stance[0] ? 1 : 0) + (w.stance[1] ? 2 : 0));
+  std::size_t further = 4 * kPhases;
+  for (const Window& w : windows) {
+    const std::size_t stance = (w.stance[0] ? 1 : 0) + (w.stance[1] ? 2 : 0);
+    // On the stand no ground acts: each window is by itself.
+    phase.push_back(stance == 0 ? further++ : std::min(w.phase, kPhases - 1) * 4 + stance);
+  }
   std::vector<Candidate> all = candidates(model, unknowns);
   std::vector<std::size_t> nuisances;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
@@ -165,7 +207,7 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
     for (const Candidate& c : all) columns.push_back(c.unknown);
     std::vector<Reduced> parts(windows.size());
     core::parallel_for(windows.size(), threads, [&](std::size_t w) {
-      parts[w] = reduced(linear[w], variances, columns, nuisances, spreads);
+      parts[w] = reduced(linear[w], variances[w], columns, nuisances, spreads);
     });
     // What is common to all windows of the nuisances, at its most likely, is taken off.
     const auto n = static_cast<Eigen::Index>(nuisances.size());

@@ -2,7 +2,8 @@
 //
 // Each window has an estimate of a number. What a model lacks besides, the real ground above all, moves these estimates too: differently in
 // different phases of a step, and there by another amount each time. What the robot differs in moves all by the same. So a number's deviation in
-// window w of phase p is theta + f_p + e_w, where f and e are normal with one variance, which is sought (random effects, as in meta-analysis).
+// window w of phase p is theta + f_p + e_w, where f is normal, e of Student's t, with one scale, which is sought (random effects, as in
+// meta-analysis): a window in which a joint sticks or a foot slips says something else of a number, and is not to outweigh all others.
 // With two variances that of the phases, of which a walk has about seven, explains any theta. A cause is a number whose theta is likelier
 // to be normal with the prior's variance than to be 0.
 #pragma once
@@ -22,7 +23,7 @@ struct Cause {
 };
 
 /// Evidence of theta in windows' estimates: the logarithm of how much likelier they are with theta of variance 1 than with theta 0, the
-/// variance of f and e being the likeliest in either case.
+/// scale of f and e being the likeliest in either case.
 struct RandomEffect {
   double log_bayes_factor = 0.0, theta = 0.0, sd = 0.0, spread = 0.0;
 };
@@ -36,6 +37,6 @@ RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::Vect
 /// simulators differ in these. `linear`: about `model`.
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
                           const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
-                          const Variances& variances, unsigned threads);
+                          const std::vector<Variances>& variances, unsigned threads);
 
 }  // namespace furcula::floating

@@ -25,11 +25,9 @@ std::vector<Window> all_windows(const std::vector<Recording>& recordings, double
   return out;
 }
 
-/// Student's t over windows: a window that no parameter explains counts less.
-constexpr double kFreedom = 4.0;
-
 double rows_of(const Window& w) { return static_cast<double>((w.count - 1) * kRowSize); }
 
+/// Student's t over windows: a window that no parameter explains counts less.
 double robust(const std::vector<Window>& windows, const std::vector<double>& costs) {
   double sum = 0.0;
   for (std::size_t w = 0; w < windows.size(); ++w)

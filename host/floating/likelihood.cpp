@@ -139,7 +139,8 @@ class WindowFit {
 
 }  // namespace
 
-Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads) {
+std::vector<Variances> estimated(const std::vector<LinearWindow>& windows, const Variances& from,
+                                 unsigned threads) {
   constexpr int kIterations = 20;
   struct Known {  // what no variance changes
     std::array<Eigen::MatrixXd, kNoiseGroups> cc;
@@ -165,12 +166,13 @@ Variances estimated(const std::vector<LinearWindow>& windows, const Variances& f
     std::array<double, kLocalGroups> local{}, locals{};
     std::array<double, kNoiseGroups> noise{}, rows{};
   };
-  Variances v = from;
+  std::vector<Variances> each(windows.size(), from);
   std::vector<Sums> sums(windows.size());
   for (int k = 0; k < kIterations; ++k) {
     core::parallel_for(windows.size(), threads, [&](std::size_t w) {
       const LinearWindow& l = windows[w];
       const Known& of = known[w];
+      const Variances& v = each[w];
       const auto n = l.c.cols();
       Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(n, n);
       Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
@@ -200,11 +202,21 @@ Variances estimated(const std::vector<LinearWindow>& windows, const Variances& f
       for (std::size_t g = 0; g < kLocalGroups; ++g) all.local[g] += s.local[g], all.locals[g] += s.locals[g];
       for (std::size_t g = 0; g < kNoiseGroups; ++g) all.noise[g] += s.noise[g], all.rows[g] += s.rows[g];
     }
-    for (std::size_t g = 0; g < kLocalGroups; ++g)
-      if (all.locals[g] > 0.0) v.local[g] = all.local[g] / all.locals[g];
-    for (std::size_t g = 0; g < kNoiseGroups; ++g) v.noise[g] = all.noise[g] / all.rows[g];
+    for (std::size_t g = 0; g < kNoiseGroups; ++g)
+      for (Variances& v : each) v.noise[g] = all.noise[g] / all.rows[g];
+    for (std::size_t g = 0; g < kLocalGroups; ++g) {
+      if (!(all.locals[g] > 0.0)) continue;
+      const bool disturbs = g >= kTorque && g <= kMomentUp;
+      double inverse = 0.0, having = 0.0;
+      for (std::size_t w = 0; w < each.size(); ++w)
+        if (sums[w].locals[g] > 0.0) inverse += 1.0 / each[w].local[g], having += 1.0;
+      for (std::size_t w = 0; w < each.size(); ++w)
+        each[w].local[g] =
+            disturbs ? (sums[w].local[g] + kFreedom * having / inverse) / (sums[w].locals[g] + kFreedom)
+                     : all.local[g] / all.locals[g];
+    }
   }
-  return v;
+  return each;
 }
 
 std::vector<double> fit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,

@@ -9,9 +9,11 @@
 
 namespace furcula::floating {
 
-/// Those with which the windows are most likely with the machine as it is, by expectation and maximisation from `from` on. They hold what
-/// the machine does not explain, so that what is found beyond them stands out of the windows' own scatter.
-Variances estimated(const std::vector<LinearWindow>& windows, const Variances& from, unsigned threads);
+/// Those with which the windows are most likely with the machine as it is, by expectation and maximisation from `from` on, for each window. They
+/// hold what the machine does not explain, so that what is found beyond them stands out of the windows' own scatter. Variances of a window's
+/// disturbances are drawn from a scaled inverse chi-squared distribution (Student's t over windows): a landing disturbs more than standing.
+std::vector<Variances> estimated(const std::vector<LinearWindow>& windows, const Variances& from,
+                                 unsigned threads);
 
 /// A window's own unknowns integrated out: the part that does not depend on the point it was linearised about.
 struct Marginal {
@@ -22,6 +24,9 @@ struct Marginal {
 };
 std::vector<Marginal> marginals(const std::vector<LinearWindow>& windows, const Variances& variances,
                                 unsigned threads);
+
+/// Degrees of freedom of Student's t: of a window, of its disturbances' variances, and of its own value of a number.
+inline constexpr double kFreedom = 4.0;
 
 /// What the windows say of theta: information and score.
 struct Evidence {

@@ -42,13 +42,15 @@ constexpr double kPart = 1e-3;
 
 double step_of(std::size_t local) { return kPart * kLocalSd[group_of(local)]; }
 
-/// Those of a window that are simulated, disturbances knot by knot.
+/// Those of a window that are simulated, disturbances knot by knot. A stand that holds the pelvis leaves its tilt open alone.
 std::vector<std::size_t> simulated_locals(const Window& window, const Variances& variances) {
   std::vector<std::size_t> out;
   const auto put = [&](std::size_t i) {
     if (variances.local[group_of(i)] > 0.0) out.push_back(i);
   };
-  for (std::size_t i = 0; i < kStart; ++i) put(i);
+  const bool held = !window.stance[0] && !window.stance[1];
+  for (std::size_t i = 0; i < kStart; ++i)
+    if (const LocalGroup g = group_of(i); !held || g == kTilt || g == kAngle || g == kRate) put(i);
   for (std::size_t knot = 0; knot < kKnots; ++knot)
     for (std::size_t c = 0; c < kChannels; ++c)
       if (c < kJoints || window.stance[(c - kJoints) / 6]) put(kStart + c * kKnots + knot);

@@ -63,6 +63,8 @@ Recording recording_of(const log::Log& log) {
     r.contact = {left[k] > 0.5, right[k] > 0.5};
     out.rows.push_back(r);
   }
+  out.held = std::none_of(out.rows.begin(), out.rows.end(),
+                          [](const Row& r) { return r.contact[0] || r.contact[1]; });
   return out;
 }
 
@@ -91,7 +93,7 @@ std::vector<Window> windows_of(const Recording& recording, std::size_t index, do
     const bool landing = end < rows.size() && lands(end);
     phase = landing ? 0 : phase + 1;
     const double duration_s = rows[end - 1].time_s - rows[first].time_s;
-    if (!w.stance[0] && !w.stance[1])
+    if (!w.stance[0] && !w.stance[1] && !recording.held)
       excluded.no_stance_s += duration_s;
     else if (duration_s > 0.5 * length_s)
       out.push_back(w);

@@ -31,6 +31,7 @@ struct Recording {
   std::string file;
   std::vector<Row> rows;
   bool passive_hips = false;
+  bool held = false;             ///< on a stand that holds the pelvis: no foot is loaded in any row
   std::optional<double> fall_s;  ///< after the first row of the log; without it the robot does not fall
   std::vector<std::string> notes;
 };

@@ -109,6 +109,11 @@ State<double> start(const Recording& recording, const Window& window, const Mach
   const auto& sole = m.robot.vertices_m[foot];
   const Vec3<double> foot_v = foot_rotation(foot) * of_side(leg.foot_v_mps, foot);
   s.v_mps = transposed_times(rotation(s.attitude), foot_v * -1.0) + Vec3<double>{x[6], x[7], x[8]};
+  if (recording.held) {
+    s.w_radps = s.v_mps = {0.0, 0.0, 0.0};
+    s.position_m.z = 10.0;  // above the ground
+    return s;
+  }
   // As high as the ground's springs carry the foot's share of the weight.
   std::array<double, kVertices> height{};
   for (std::size_t v = 0; v < kVertices; ++v)
@@ -243,7 +248,7 @@ class Batch {
       const double h = dt / steps;
       for (int n = 0; n < steps; ++n) {
         const double t = from + n * h;
-        command(t + 0.5 * h);
+        command(t);
         disturb((t + 0.5 * h - begin) / length);
         step(h);
       }
@@ -323,7 +328,9 @@ class Batch {
           const T play = drives_.backlash[side][j] * clamped(T(pull * share * inverse_take_up), one);
           const T motor = clamped(T((pull - d.kp_nmprad * play) * share), d.limit_nm);
           joint += motor - d.damping_nmspr * qd - d.friction_nm * saturated(qd, inverse_creep);
-          act.armature_kgm2[side][j] = d.armature_kgm2;
+          // A drive's damping acts at the mean of the rates before and after the kick.
+          act.armature_kgm2[side][j] =
+              d.armature_kgm2 + T(0.5 * h_s) * (d.kd_nmsprad * share + d.damping_nmspr);
           twist_[side][j] = c * motor + play;
         }
         act.torque_nm[side][j] = joint;
@@ -331,7 +338,10 @@ class Batch {
     }
     act.gravity_mps2 = plant_.gravity_mps2;
     Accelerations<T> by;
-    forward_dynamics<AnywhereTopology>(plant_, state_, k, act, by);
+    if (recording_.held)
+      forward_dynamics<AnywhereTopology, true>(plant_, state_, k, act, by);
+    else
+      forward_dynamics<AnywhereTopology>(plant_, state_, k, act, by);
     kick(state_, by, T(h_s));
     drift(k.pelvis_rotation, T(h_s), state_);
     state_.anchors_m = feet.anchors_m;

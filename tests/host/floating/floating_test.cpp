@@ -8,6 +8,7 @@
 #include "host/biped/machine_toml.hpp"
 #include "host/core/random.hpp"
 #include "host/floating/identify.hpp"
+#include "host/walk/exercise.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
 #include "tests/host/error_message.hpp"
@@ -174,11 +175,12 @@ TEST_CASE(
 TEST_CASE(
     "the evidence of a deviation is what an integration over it gives, and windows that disagree give none") {
   const Eigen::Vector3d information{40.0, 90.0, 10.0}, agreed{40.0 * 0.8, 90.0 * 0.8, 10.0 * 0.8};
-  // The least scatter is none: normal densities of 0.8 three times, with theta of variance 1 and with theta 0.
+  // The least scatter is none: densities of Student's t with 4 degrees of freedom of 0.8 three times, with theta of variance 1 and with theta 0.
   const auto likelihood = [&](double theta) {
     double log_sum = 0.0;
     for (int w = 0; w < 3; ++w)
-      log_sum += -0.5 * information[w] * (0.8 - theta) * (0.8 - theta) + 0.5 * std::log(information[w]);
+      log_sum += -2.5 * std::log1p(information[w] * (0.8 - theta) * (0.8 - theta) / 4.0) +
+                 0.5 * std::log(information[w]);
     return std::exp(log_sum);
   };
   double all = 0.0, positive = 0.0, mean = 0.0;
@@ -190,12 +192,13 @@ TEST_CASE(
   }
   const RandomEffect both = random_effect(information, agreed, {0, 1, 2}, 0.0, false),
                      up = random_effect(information, agreed, {0, 1, 2}, 0.0, true);
-  CHECK(both.theta == Approx(mean / all).epsilon(1e-6));
+  // By Laplace's approximation: theta is the mode.
+  CHECK(both.theta == Approx(mean / all).epsilon(0.01));
   CHECK(both.spread == 0.0);
-  CHECK(up.log_bayes_factor - both.log_bayes_factor == Approx(std::log(positive / all)).margin(1e-6));
+  CHECK(up.log_bayes_factor - both.log_bayes_factor == Approx(std::log(positive / all)).margin(1e-3));
   // Without theta the scatter is what makes three of 0.8 likeliest; with none of it, more is lost.
   CHECK(both.log_bayes_factor > 0.0);
-  CHECK(both.log_bayes_factor < std::log(all / likelihood(0.0)) + 1e-9);
+  CHECK(both.log_bayes_factor < std::log(all / likelihood(0.0)) + 0.2);
   // Twelve windows that say 0.8 are evidence; that say 0.8 and -0.8 in turn, though each is sure of it, are none.
   const std::vector<std::size_t> each{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
       two{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
@@ -210,6 +213,12 @@ TEST_CASE(
   for (int w = 0; w < 12; ++w) scattered[w] += (w % 2 == 0 ? 0.3 : -0.3) * sure[w];
   CHECK(random_effect(sure, scattered, two, 0.0, false).log_bayes_factor <
         random_effect(sure, scattered, each, 0.0, false).log_bayes_factor - 2.0);
+  // One window that is far off, and surer than the others, does not outweigh them.
+  Eigen::VectorXd surer = sure, but_one = same;
+  surer[5] *= 4.0, but_one[5] = -0.8 * surer[5];
+  const RandomEffect outweighed = random_effect(surer, but_one, each, 0.0, false);
+  CHECK(outweighed.log_bayes_factor > 5.0);
+  CHECK(outweighed.theta == Approx(0.8).epsilon(0.05));
   // What cannot be below 0 is no cause where windows say that it is, however sure they are of it.
   CHECK(random_effect(1e4 * sure, -1e4 * same, each, 0.0, true).log_bayes_factor < 0.0);
   CHECK(random_effect(sure, -same, each, 0.0, true).log_bayes_factor < 0.0);
@@ -224,8 +233,14 @@ TEST_CASE("variances are those that the windows' disturbances were drawn from") 
   Variances truth = first_variances();
   for (double& v : truth.local) v *= 9.0;
   for (double& v : truth.noise) v *= 0.25;
+  // Every second window is disturbed four times as much.
+  constexpr double kMore = 16.0;
+  const auto more = [](std::size_t w, std::size_t g) {
+    return w % 2 == 1 && g >= kTorque && g <= kMomentUp ? kMore : 1.0;
+  };
   std::vector<LinearWindow> windows(40);
-  for (LinearWindow& l : windows) {
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    LinearWindow& l = windows[w];
     for (std::size_t k = 0; k < kLocals; k += 3) l.locals.push_back(k);
     const auto rows = static_cast<Eigen::Index>(20 * kRowSize),
                n = static_cast<Eigen::Index>(l.locals.size());
@@ -233,7 +248,7 @@ TEST_CASE("variances are those that the windows' disturbances were drawn from") 
     l.y = Eigen::VectorXd::Zero(rows);
     for (Eigen::Index k = 0; k < n; ++k) {
       const auto g = static_cast<std::size_t>(group_of(l.locals[static_cast<std::size_t>(k)]));
-      const double x = std::sqrt(truth.local[g]) * random.gaussian();
+      const double x = std::sqrt(more(w, g) * truth.local[g]) * random.gaussian();
       for (Eigen::Index i = 0; i < rows; ++i) {
         const auto noise = static_cast<std::size_t>(noise_of(static_cast<std::size_t>(i) % kRowSize));
         l.c(i, k) = 0.1 * random.gaussian() * std::sqrt(truth.noise[noise] / truth.local[g]);
@@ -245,7 +260,12 @@ TEST_CASE("variances are those that the windows' disturbances were drawn from") 
           std::sqrt(truth.noise[static_cast<std::size_t>(noise_of(static_cast<std::size_t>(i) % kRowSize))]) *
           random.gaussian();
   }
-  const Variances found = estimated(windows, first_variances(), 1);
+  const std::vector<Variances> all = estimated(windows, first_variances(), 1);
+  Variances found;
+  found.noise = all[0].noise;
+  for (std::size_t w = 0; w < windows.size(); ++w)
+    for (std::size_t g = 0; g < kLocalGroups; ++g)
+      found.local[g] += all[w].local[g] / more(w, g) / static_cast<double>(windows.size());
   for (std::size_t g = 0; g < kNoiseGroups; ++g)
     CHECK(found.noise[g] == Approx(truth.noise[g]).epsilon(0.05));
   // Of a number the rows tell 360 / 100 times what its prior does. So a variance from 40 or more draws is known to 0.28 of itself.
@@ -258,7 +278,40 @@ TEST_CASE("variances are those that the windows' disturbances were drawn from") 
     CHECK(found.local[g] == Approx(truth.local[g]).epsilon(0.84));
     ratios += found.local[g] / truth.local[g], groups += 1.0;
   }
-  CHECK(ratios / groups == Approx(1.0).epsilon(0.15));
+  // A window has from 5 draws of a disturbance on, and what they say is drawn to the typical window by four.
+  CHECK(ratios / groups == Approx(1.0).epsilon(0.3));
+}
+
+TEST_CASE("on the stand a joint's dry friction is named, and where nothing differs nothing is") {
+  walk::Walk walk = test::found_walk("active");
+  walk.exercise_s = 4.0;
+  IdentifyOptions options;
+  options.iterations = 0;
+  options.settings.threads = 1;
+  auto robot = dynamics::biped::design();
+  for (const double friction_nm : {0.0, 4.0}) {
+    INFO(friction_nm << " N m");
+    robot.drives[1][dynamics::biped::kHipRoll].friction_nm += friction_nm;
+    log::Log log = walk::simulate_exercise(robot, walk, 0.01, 3);
+    log.path = "exercise.csv";
+    const Recording recording = recording_of(log);
+    CHECK(recording.held);
+    std::vector<Window> windows = windows_of(recording, 0, 0.3);
+    CHECK(windows.size() == 15);  // 4.5 s, of which the first row is before a window
+    const Identified found = identify(nominal(), {recording}, options);
+    CHECK(found.before.attitude_rad < 1e-4);
+    double found_nm = 0.0;
+    for (const Cause& c : found.causes) {
+      const Unknown& u = found.unknowns[c.unknown];
+      INFO(u.kind << "@" << u.location << ", confidence " << c.confidence);
+      // These sensors have a gyro that is off and encoders that are.
+      if (c.confidence < 0.5 || u.kind.starts_with("gyro_bias") || u.kind == "encoder_offset") continue;
+      CHECK(u.kind == "coulomb_friction");
+      CHECK(u.location == "right_hip_roll");
+      found_nm = c.theta * u.prior_sd;
+    }
+    CHECK(found_nm == Approx(friction_nm).epsilon(0.2));
+  }
 }
 
 TEST_CASE("deviations of a model file are read as they were written, and wrong ones are refused") {
