@@ -36,6 +36,8 @@ void run(const WalkLoopOptions& o) {
   require_from("--threads", o.loop.threads, 0, 1024);
   if (!(o.loop.deviations >= 0.0 && o.loop.deviations <= 2.0))
     throw UsageError("--deviations " + core::shortest(o.loop.deviations) + ": expected from 0 to 2");
+  if (!(o.loop.exercise_s >= 0.0 && o.loop.exercise_s <= 1000.0))
+    throw UsageError("--exercise-s " + core::shortest(o.loop.exercise_s) + ": expected from 0 to 1000");
   loop::LoopOptions options = o.loop;
   options.rounds = static_cast<unsigned>(o.rounds);
   options.repetitions = static_cast<unsigned>(o.repetitions);
@@ -77,12 +79,17 @@ void add_walk_loop_command(CLI::App& walk) {
       ->add_option(
           "--robot", o->loop.robot,
           "Command of a trial: {walk} stands for the walk's file, {log} for the log (CSV) that it writes, "
-          "{repetition} and {round} for numbers from 1 on; status 0 after every trial, also of a fall. "
+          "{repetition} and {round} for numbers (round 0: on the stand); status 0 after every trial, also of a fall. "
           "manual: a person brings the files")
       ->required();
   command
       ->add_option("--rounds", o->rounds,
                    "Trial, identification and search, so many times at most; the last walk is tried too")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--exercise-s", o->loop.exercise_s,
+          "Before the first walk (round 0) the robot moves its legs on its stand for so long; 0: it does not")
       ->capture_default_str();
   command->add_option("--repetitions", o->repetitions, "Trials of a walk")->capture_default_str();
   command->add_option("--steps", o->steps, "Of a search, in steps of simulation")->capture_default_str();

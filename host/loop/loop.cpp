@@ -67,6 +67,8 @@ class Loop {
  public:
   explicit Loop(const LoopOptions& options)
       : o_(options), given_(walk::read_model(options.model)), first_(walk::read_walk(options.walk)) {
+    if (first_.exercise_s > 0.0)
+      throw DataError(o_.walk + ": an exercise; expected a walk, without exercise_s");
     if (first_.robot != given_.name)
       throw DataError(o_.walk + ": a walk of " + core::quoted(first_.robot) + "; expected one of " +
                       core::quoted(given_.name) + ", the robot of " + o_.model);
@@ -90,6 +92,7 @@ class Loop {
     } else {
       write_json();
     }
+    if (o_.exercise_s > 0.0) exercise();
     write_once(walk_file(1), walk::format_walk(first_));
     for (unsigned round = 1;; ++round) {
       const walk::Model model = round == 1 ? given_ : walk::read_model(model_file(round - 1));
@@ -145,6 +148,7 @@ class Loop {
                      text_hash(biped::format_deviations(design, given_.machine)));
     out.emplace_back("mode of the first walk",
                      std::string(walk::kModeNames[static_cast<std::size_t>(first_.mode)]));
+    out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
     out.emplace_back("steps", std::to_string(o_.steps));
     out.emplace_back("repetitions", std::to_string(o_.repetitions));
     out.emplace_back("window_s", core::shortest(o_.identify.window_s));
@@ -167,6 +171,27 @@ class Loop {
     if (fs::exists(file)) return;
     make_folder(fs::path(file).parent_path().string());
     core::write_file_atomically(file, text);
+  }
+
+  /// On the stand, with the posture and the pins of the first walk.
+  void exercise() {
+    walk::Walk walk = first_;
+    walk.exercise_s = o_.exercise_s;
+    write_once(walk_file(0), walk::format_walk(walk));
+    const Request trial = request(0, 1);
+    news_ = news_ || !fs::exists(trial.log);
+    get_log(trial);
+    floating::Recording recording = read_recording(trial.log, o_.identify.window_s);
+    if (!recording.held)
+      throw DataError(
+          trial.log +
+          ": a foot is loaded; expected a robot that moves its legs on its stand, or --exercise-s 0 in another folder");
+    recording.passive_hips = first_.mode == walk::WalkMode::semi_passive;
+    result_.exercise = folder(0) + "/log_1.csv";
+    say(0, result_.exercise + ": " +
+               core::rounded(recording.rows.back().time_s - recording.rows.front().time_s, 3) +
+               " s on the stand");
+    exercise_ = std::move(recording);
   }
 
   void try_walk(unsigned round, const walk::Model& model) {
@@ -213,16 +238,18 @@ class Loop {
       options.progress = [&](double fraction, const std::string& doing) {
         if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
       };
-      const floating::Identified found = floating::identify(given_.machine, recordings_, options);
+      std::vector<floating::Recording> all = recordings_;
+      if (exercise_) all.insert(all.begin(), *exercise_);
+      const floating::Identified found = floating::identify(given_.machine, all, options);
       const std::vector<floating::Recording> held_out;
       std::string command = "furcula walk identify";
-      for (const floating::Recording& r : recordings_) command += " " + core::shell_word(r.file);
+      for (const floating::Recording& r : all) command += " " + core::shell_word(r.file);
       command += " --model " + core::shell_word(o_.model) + " --out " + core::shell_word(in(folder(round)));
       core::write_files_together(std::vector<core::NewFile>{
           {json, floating::to_json_text(found, nullptr, nullptr)},
           {in(folder(round) + "/identification.html"),
            floating::render_identification_report(
-               {given_.name, &found, &recordings_, &held_out, nullptr, nullptr, options.window_s, command})},
+               {given_.name, &found, &all, &held_out, nullptr, nullptr, options.window_s, command})},
           {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
     }
     Round& r = result_.rounds.back();
@@ -331,7 +358,8 @@ class Loop {
   walk::Model given_;
   walk::Walk first_;
   walk::Settings settings_;
-  std::vector<floating::Recording> recordings_;
+  std::optional<floating::Recording> exercise_;
+  std::vector<floating::Recording> recordings_;  ///< of walks, as many as repetitions in each round
   LoopResult result_;
   bool news_ = false;  ///< a step was done: until then loop.json may have more than `result_`
 };

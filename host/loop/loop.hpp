@@ -1,6 +1,8 @@
 // Walk on the robot, identify, search the walk again on the identified robot and others about it, and so on (document 000, section IV).
 //
-// Files in `out` are what a loop goes on from: round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
+// Before the first walk the robot moves its legs on its stand, which identifications use, too.
+//
+// Files in `out` are what a loop goes on from: round_0/walk.toml and log_1.csv of this exercise, round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
 // identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
 // loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
 #pragma once
@@ -28,6 +30,7 @@ struct LoopOptions {
   std::string model, walk, robot, out;
   unsigned rounds = 3, repetitions = 1;
   std::optional<walk::WalkMode> mode;                      ///< of searches; without it the walk's
+  double exercise_s = 10.0;                                ///< on the stand, before the first walk; 0: none
   std::uint64_t steps = 200'000'000;                       ///< of a search
   double deviations = walk::EnsembleOptions{}.deviations;  ///< of the other robots of a search
   std::uint64_t seed = 1;  ///< of the first search; each later one has the next
@@ -62,6 +65,7 @@ struct Round {
 };
 
 struct LoopResult {
+  std::string exercise;       ///< its log in `out`; empty: none
   std::vector<Round> rounds;  ///< the last one has trials alone
   Triangle triangle;
   bool walks = false;  ///< the last walk does

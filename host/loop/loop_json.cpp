@@ -103,6 +103,7 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
   return Json{{"schema", kSchema},
               {"settings", all},
               {"robot", options.robot},
+              {"exercise", result.exercise.empty() ? Json(nullptr) : Json(result.exercise)},
               {"rounds", rounds},
               {"triangle", triangle},
               {"walks", result.walks},

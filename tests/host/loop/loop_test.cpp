@@ -30,6 +30,7 @@ struct Bench {
     options.walk = test::source("tests/host/walk/active_walk.toml");
     options.out = folder.path() + "/out";
     options.rounds = 1;
+    options.exercise_s = 0.0;
     options.steps = 1;
     options.threads = 2;
     options.identify.iterations = 1;
@@ -200,6 +201,30 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   CHECK(bench.errors_computed == 2);
 }
 
+TEST_CASE(
+    "before the first walk the robot moves its legs on its stand, and the identification has this recording, too") {
+  Bench bench;
+  bench.options.exercise_s = 1.2;
+  bench.options.robot = bench.robot(kModel, 50);
+  bench.interrupt_at("search");
+  bench.run();
+  CHECK_THAT(bench.said, Contains("round 0: round_0/log_1.csv: 0.4") && Contains("s on the stand"));
+  CHECK_THAT(test::text_of(bench.in("round_0/walk.toml")), Contains("exercise_s = 1.2"));
+  CHECK_THAT(test::text_of(bench.in("round_1/walk.toml")), !Contains("exercise_s"));
+  CHECK_THAT(test::text_of(bench.in("round_1/identification.html")),
+             Contains(bench.in("round_0/log_1.csv")) && Contains(bench.in("round_1/log_1.csv")));
+  const auto j = test::json_of(bench.in("loop.json"));
+  CHECK(j["exercise"] == "round_0/log_1.csv");
+  CHECK(j["triangle"].size() == 3);  // of walks alone
+
+  Bench standing;
+  standing.options.exercise_s = 1.2;
+  standing.options.robot = "sed -i /exercise_s/d {walk}; " + standing.robot(kModel, 50);
+  CHECK_THAT(standing.error(), Contains("log_1.csv: a foot is loaded") && Contains("on its stand"));
+  standing.options.walk = bench.in("round_0/walk.toml");
+  CHECK_THAT(standing.error(), Contains("an exercise; expected a walk"));
+}
+
 TEST_CASE("a robot's model has less error on its walk than a model without its friction") {
   Bench bench;
   const std::string rubbing =
@@ -249,6 +274,8 @@ TEST_CASE(
   CHECK_THAT(ran({"--robot", "manual", "--rounds", "0"}).err,
              Contains("--rounds 0: expected from 1 to 1000"));
   CHECK_THAT(ran({"--robot", "manual", "--steps", "0"}).err, Contains("--steps 0"));
+  CHECK_THAT(ran({"--robot", "manual", "--exercise-s", "-1"}).err,
+             Contains("--exercise-s -1: expected from 0 to 1000"));
   CHECK_THAT(ran({"--robot", "manual", "--deviations", "nan"}).err,
              Contains("--deviations nan: expected from 0 to 2"));
   const test::Ran failed = ran({"--robot", "false {walk} {log}"});
@@ -258,6 +285,7 @@ TEST_CASE(
                                               " --walk {walk} --out {log} > /dev/null"});
   INFO(walks.err);
   CHECK(walks.status == 0);
-  CHECK_THAT(walks.out, Contains("round 1: round_1/log_1.csv: stands") &&
+  CHECK_THAT(walks.out, Contains("round 0: round_0/log_1.csv: 10.5 s on the stand") &&
+                            Contains("round 1: round_1/log_1.csv: stands") &&
                             Contains("the robot walks with " + out + "/round_1/walk.toml"));
 }
