@@ -50,6 +50,49 @@ TEST_CASE("Dry friction of a hip that a walking robot in MuJoCo hides is named, 
   for (std::size_t k = 1; k < found.causes.size(); ++k) CHECK(found.causes[k].confidence < 0.5);
 }
 
+TEST_CASE(
+    "What joints of a robot in MuJoCo hide is named from its exercise on the stand, and nothing beside it") {
+  const walk::Model model = walk::read_model(test::source("models/biped/biped.toml"));
+  walk::Walk walk = walk::read_walk(test::source("models/biped/robust_walk.toml"));
+  walk.exercise_s = 10.0;
+  const auto causes_of = [&](robot::Cause cause, std::uint64_t seed) {
+    robot::Truth truth = robot::drawn(model.robot, 0.0, seed);
+    robot::plant(robot::drawn_cause(cause, seed), truth);
+    robot::TrialOptions options;
+    options.seed = seed;
+    const robot::Trial trial = robot::try_walk(truth, model.robot, walk, options);
+    CHECK(trial.stands);
+    log::Log log = trial.log;
+    log.path = "exercise.csv";
+    floating::IdentifyOptions of_causes;
+    of_causes.iterations = 0;
+    of_causes.settings.threads = 1;
+    return floating::identify(model.machine, {floating::recording_of(log)}, of_causes);
+  };
+  const auto check = [&](robot::Cause cause, std::uint64_t seed, const std::string& name, double least,
+                         double most) {
+    const floating::Identified found = causes_of(cause, seed);
+    bool named = false;
+    for (const floating::Cause& c : found.causes) {
+      const floating::Unknown& u = found.unknowns[c.unknown];
+      INFO(robot::in_words(robot::drawn_cause(cause, seed))
+           << ": " << u.kind << "@" << u.location << ", " << c.theta * u.prior_sd << ", confidence "
+           << c.confidence);
+      if (c.confidence < 0.5) continue;
+      CHECK(u.kind + "@" + u.location == name);
+      CHECK(c.theta * u.prior_sd > least);
+      CHECK(c.theta * u.prior_sd < most);
+      named = true;
+    }
+    CHECK(named == !name.empty());
+  };
+  const double coulomb_nm = robot::drawn_cause(robot::Cause::coulomb, 13).size,
+               delay_s = robot::drawn_cause(robot::Cause::delay, 5).size;
+  check(robot::Cause::coulomb, 13, "coulomb_friction@left_hip_pitch", 0.8 * coulomb_nm, 1.2 * coulomb_nm);
+  check(robot::Cause::delay, 5, "command_delay@drives", 0.7 * delay_s, 1.3 * delay_s);
+  check(robot::Cause::none, 12, "", 0.0, 0.0);
+}
+
 TEST_CASE("Nothing is named in a walking robot in MuJoCo that hides nothing", "[slow]") {
   const floating::Identified found = diagnosed(robot::Cause::none, 1, 1);
   for (const floating::Cause& c : found.causes) {

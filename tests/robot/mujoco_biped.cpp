@@ -42,7 +42,7 @@ std::string body(const LinkDescription& l) {
   return out.str();
 }
 
-std::string mjcf(const Truth& t, bool passive_hips) {
+std::string mjcf(const Truth& t, bool passive_hips, bool held) {
   const Description& d = t.robot;
   std::ostringstream out;
   out.precision(17);
@@ -53,8 +53,9 @@ std::string mjcf(const Truth& t, bool passive_hips) {
       << d.ground.friction << " 0.005 0.0001\" solref=\"" << -5e4 * t.contact_stiffness << " "
       << -500.0 * t.contact_damping
       << "\"/></default><worldbody><geom name=\"ground\" type=\"plane\" size=\"20 20 0.1\" conaffinity=\"1\"/>"
-      << "<body name=\"pelvis\" pos=\"0 0 1\"><freejoint name=\"base\"/><site name=\"imu"
-      << turned(t.imu_turn_rad) << "\"/>" << body(d.pelvis);
+      << "<body name=\"pelvis\" pos=\"0 0 " << (held ? 2 : 1) << "\">"
+      << (held ? "" : "<freejoint name=\"base\"/>") << "<site name=\"imu" << turned(t.imu_turn_rad) << "\"/>"
+      << body(d.pelvis);
   static constexpr const char* kAxes[] = {"1 0 0", "0 1 0", "0 0 1"};
   for (std::size_t side = 0; side < 2; ++side) {
     for (std::size_t j = 0; j < kLegJoints; ++j) {
@@ -85,23 +86,20 @@ std::string mjcf(const Truth& t, bool passive_hips) {
   return out.str();
 }
 
-/// Places of a joint's coordinate and rate: a free joint comes first.
-constexpr std::size_t coordinate(std::size_t i) { return 7 + i; }
-constexpr std::size_t rate(std::size_t i) { return 6 + i; }
-
 double rounded_to(double x, double step) { return step * std::round(x / step); }
 
 }  // namespace
 
-MujocoBiped::MujocoBiped(const Truth& truth, bool passive_hips,
+MujocoBiped::MujocoBiped(const Truth& truth, bool passive_hips, bool exercises,
                          const std::array<double, kWalkerJoints>& posture_rad,
                          const Disturbances& disturbances, std::uint64_t seed)
     : truth_(truth),
       passive_hips_(passive_hips),
+      exercises_(exercises),
       disturbances_(disturbances),
       noise_(seed, 1),
       pushes_(seed, 2),
-      model_(test::mujoco_model(mjcf(truth, passive_hips))),
+      model_(test::mujoco_model(mjcf(truth, passive_hips, exercises))),
       data_(mj_makeData(model_.get())) {
   foot_n_.fill(0.5 * truth.robot.mass_kg() * truth.robot.gravity_mps2);
   on_the_way_.assign(static_cast<std::size_t>(std::lround(truth.delay_s / kTick_s)), {});
@@ -112,6 +110,11 @@ MujocoBiped::MujocoBiped(const Truth& truth, bool passive_hips,
     data_->qpos[coordinate(i)] = gears_[i].angle_rad = angle;
     const std::size_t j = i % kLegJoints;
     if (j == kHipPitch || j == kKnee || j == kAnklePitch) pitch -= 0.5 * angle;  // the mean of both legs
+  }
+  if (exercises_) {
+    foot_n_ = {0.0, 0.0};
+    mj_forward(model_.get(), data_.get());
+    return;
   }
   data_->qpos[2] = 1.0;
   data_->qpos[3] = std::cos(0.5 * pitch), data_->qpos[5] = std::sin(0.5 * pitch);
@@ -181,7 +184,7 @@ control::WalkerInputs MujocoBiped::sense() {
     const double x = v[0] + noise(sd), y = v[1] + noise(sd), z = v[2] + noise(sd);
     return dynamics::tree::Vec3<float>{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
   };
-  if (on_stand_) {
+  if (holds_) {
     // Held level by the stand: it measures gravity alone.
     const Description& d = truth_.robot;
     const auto gravity = gravity_on_slope(d.gravity_mps2, d.slope_x_rad, d.slope_y_rad);
@@ -240,13 +243,16 @@ void MujocoBiped::advance(const control::WalkerOutputs& told) {
     pins_[pin] += std::clamp(static_cast<double>(told.pin_targets[pin]) - pins_[pin], -stroke, stroke);
   }
   time_s_ += kTick_s;
-  if (on_stand_) {
-    if (told.stage != control::WalkerStage::walking) return;
-    on_stand_ = false;
+  if (holds_) {
+    if (told.stage != control::WalkerStage::walking && told.stage != control::WalkerStage::exercising) return;
+    holds_ = false;
     next_push_s_ = time_s_ + 1.0;
   }
   if (time_s_ >= next_push_s_ && disturbances_.push_n > 0.0) {
-    for (int k = 0; k < 2; ++k) data_->xfrc_applied[6 + k] = disturbances_.push_n * pushes_.gaussian();
+    // On the stand it is a foot that is touched.
+    const std::size_t body = exercises_ ? 1 + kJoints : 1;
+    const double sd_n = exercises_ ? 0.3 * disturbances_.push_n : disturbances_.push_n;
+    for (std::size_t k = 0; k < 2; ++k) data_->xfrc_applied[6 * body + k] = sd_n * pushes_.gaussian();
     push_until_s_ = time_s_ + 0.1;
     next_push_s_ = time_s_ - std::log(1.0 - pushes_.uniform(0.0, 1.0));
   }
@@ -255,7 +261,7 @@ void MujocoBiped::advance(const control::WalkerOutputs& told) {
   const auto commands = on_the_way_.front();
   on_the_way_.erase(on_the_way_.begin());
   for (int k = 0; k < static_cast<int>(std::lround(kTick_s / kStep_s)); ++k) step(commands);
-  measure_feet();
+  if (!exercises_) measure_feet();
 }
 
 }  // namespace furcula::robot

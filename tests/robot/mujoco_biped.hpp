@@ -23,20 +23,20 @@ class MujocoBiped {
  public:
   static constexpr double kTick_s = 1e-3;
 
-  /// On its stand it holds `posture_rad`; passive hips are at their springs' rest. @throws std::runtime_error where MuJoCo does not
-  /// take the robot.
-  MujocoBiped(const Truth& truth, bool passive_hips,
+  /// On its stand it holds `posture_rad`; passive hips are at their springs' rest. `exercises`: it never leaves the stand.
+  /// @throws std::runtime_error where MuJoCo does not take the robot.
+  MujocoBiped(const Truth& truth, bool passive_hips, bool exercises,
               const std::array<double, control::kWalkerJoints>& posture_rad, const Disturbances& disturbances,
               std::uint64_t seed);
 
-  /// What the devices give in this tick. The robot hangs on its stand until the board walks.
+  /// What the devices give in this tick. The robot holds its posture on its stand until the board walks or exercises.
   control::WalkerInputs sense();
   /// A tick under these commands.
   void advance(const control::WalkerOutputs& told);
 
   double time_s() const { return time_s_; }
-  bool on_stand() const { return on_stand_; }
-  /// Of the pelvis' origin, in the ground's frame.
+  bool holds() const { return holds_; }
+  /// Of the pelvis' origin, in the ground's frame; not of a robot that exercises.
   std::array<double, 3> position_m() const { return {data_->qpos[0], data_->qpos[1], data_->qpos[2]}; }
   /// Of the centre of mass, forward.
   double forward_m() const { return data_->subtree_com[3]; }
@@ -47,6 +47,9 @@ class MujocoBiped {
   struct Gear {  ///< between a drive's motor and its joint, where it is not stiff
     double angle_rad = 0.0, rate_radps = 0.0;  ///< of the motor
   };
+  /// Places of a joint's coordinate and rate: a free joint comes first, where there is one.
+  std::size_t coordinate(std::size_t i) const { return (exercises_ ? 0 : 7) + i; }
+  std::size_t rate(std::size_t i) const { return (exercises_ ? 0 : 6) + i; }
   bool passive(std::size_t i) const;
   bool stiff(std::size_t i) const {
     return truth_.elasticity_nmprad[i] == 0.0 && truth_.backlash_rad[i] == 0.0;
@@ -59,7 +62,7 @@ class MujocoBiped {
   void measure_feet();
 
   Truth truth_;
-  bool passive_hips_;
+  bool passive_hips_, exercises_;
   Disturbances disturbances_;
   core::Random noise_, pushes_;
   test::MujocoModel model_;
@@ -70,7 +73,7 @@ class MujocoBiped {
   std::array<double, 2> foot_n_{};
   std::array<double, control::kWalkerPins> pins_{};
   double time_s_ = 0.0, push_until_s_ = 0.0, next_push_s_ = 0.0;
-  bool on_stand_ = true;
+  bool holds_ = true;
 };
 
 }  // namespace furcula::robot

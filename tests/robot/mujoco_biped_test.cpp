@@ -27,7 +27,7 @@ robot::Trial tried(const robot::Truth& truth, double time_s) {
 }
 
 double mass_kg(const robot::Truth& truth) {
-  const robot::MujocoBiped biped(truth, false, std::array<double, kJoints>{}, {}, 1);
+  const robot::MujocoBiped biped(truth, false, false, std::array<double, kJoints>{}, {}, 1);
   double sum = 0.0;
   for (int b = 0; b < biped.model().nbody; ++b) sum += biped.model().body_mass[b];
   return sum;
@@ -117,8 +117,8 @@ TEST_CASE("An encoder's offset is in the log of the robot in MuJoCo, and nothing
   // The drive holds the reading where it is told: the joint itself is off by as much the other way.
   CHECK(off.log.columns.at("angle_left_knee_rad").front() ==
         Approx(clean.log.columns.at("angle_left_knee_rad").front()).margin(1e-3));
-  robot::MujocoBiped as_told(robot::as_described(dynamics::biped::design()), false,
+  robot::MujocoBiped as_told(robot::as_described(dynamics::biped::design()), false, false,
                              std::array<double, kJoints>{}, {}, 1),
-      with_offset(truth, false, std::array<double, kJoints>{}, {}, 1);
+      with_offset(truth, false, false, std::array<double, kJoints>{}, {}, 1);
   CHECK(with_offset.data().qpos[7 + kKnee] - as_told.data().qpos[7 + kKnee] == Approx(-0.02));
 }

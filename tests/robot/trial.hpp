@@ -12,14 +12,14 @@
 namespace furcula::robot {
 
 struct TrialOptions {
-  double time_s = 10.0;  ///< of walking, from when the stand lets go
+  double time_s = 10.0;  ///< of walking, from when the stand lets go; an exercise has its own
   Disturbances disturbances;
   std::uint64_t seed = 1;  ///< of the disturbances
   double row_s = 0.01;
 };
 
 struct Trial {
-  bool stands = false;
+  bool stands = false;      ///< or, of an exercise, it went to its end
   std::string ending;       ///< "stands", "below 0.8 m after 2.4 s", or the board's fault
   double time_s = 0.0;      ///< of walking
   double distance_m = 0.0;  ///< of the centre of mass, forward
