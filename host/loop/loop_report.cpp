@@ -208,7 +208,8 @@ std::string round_html(const LoopResult& result, std::size_t r) {
 std::string command_of(const LoopOptions& o) {
   return "furcula walk loop --model " + core::shell_word(o.model) + " --walk " + core::shell_word(o.walk) +
          " --robot " + core::shell_word(o.robot) + " --rounds " + std::to_string(o.rounds) +
-         " --repetitions " + std::to_string(o.repetitions) + " --steps " + std::to_string(o.steps) +
+         " --exercise-s " + core::shortest(o.exercise_s) + " --repetitions " + std::to_string(o.repetitions) +
+         " --steps " + std::to_string(o.steps) +
          (o.mode ? " --mode " + std::string(walk::kModeNames[static_cast<std::size_t>(*o.mode)]) : "") +
          " --seed " + std::to_string(o.seed) + " --out " + core::shell_word(o.out);
 }
@@ -222,6 +223,9 @@ std::string render_loop_report(const std::string& robot, const LoopOptions& opti
   page.command = command_of(options);
   std::string rounds;
   for (std::size_t r = result.rounds.size(); r > 0; --r) rounds += round_html(result, r);
+  if (!result.exercise.empty())
+    rounds += "<h3>Before them</h3>\n<p>The robot moved its legs on its stand: " +
+              link(result.exercise, result.exercise) + ". Each identification has this recording, too.</p>\n";
   page.body_html =
       header(robot, result) + report::section("answer", "Result so far", answer(result)) +
       report::section("triangle", "Prediction errors of each model on each walk", triangle_html(result)) +

@@ -83,6 +83,7 @@ TEST_CASE("the page of a loop has each model and each trial once, with their mar
   CHECK(count(first, "Identified after round") == 2);
   for (const char* name : {"round_1/", "round_2/"})
     CHECK(count(page, "href=\"" + std::string(name) + "identified_model.toml\"") == 1);
+  CHECK(count(rounds, "href=\"round_0/log_1.csv\"") == 1);
   CHECK(count(page, "round_3/identified_model.toml") == 0);
   CHECK(count(page, "round_3/identification.html") == 0);
   for (unsigned r = 1; r <= 3; ++r)

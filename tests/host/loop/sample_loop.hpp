@@ -13,6 +13,7 @@ inline double sample_error_rad(unsigned model, unsigned round, unsigned repetiti
 /// The robot falls in round 1, stands in the second trial of round 2, and in both of round 3.
 inline loop::LoopResult sample_loop() {
   loop::LoopResult out;
+  out.exercise = "round_0/log_1.csv";
   for (unsigned round = 1; round <= 3; ++round) {
     loop::Round r;
     const std::string folder = "round_" + std::to_string(round);
