@@ -122,7 +122,10 @@ void run_000(const ReproduceOptions& o) {
   options.case_steps = o.case_steps;
   options.threads = o.study.threads > 0 ? o.study.threads : std::max(1u, std::thread::hardware_concurrency());
   options.model = o.model;
-  for (const std::string& file : o.walks) options.walks.push_back(walk::read_walk(file));
+  for (const std::string& file : o.walks) {
+    options.walks.push_back(walk::read_walk(file));
+    walk::require_steps(options.walks.back(), file);
+  }
   const OutFolder folder(o.out);
   reproduce::WalkReproduction r;
   {

@@ -214,9 +214,7 @@ void search(const WalkOptions& o, const Distribute& distribute) {
 void show(const WalkOptions& o) {
   const walk::Model model = walk::read_model(o.model);
   const walk::Walk walk = walk_of("--walk", o.walk, o, model);
-  if (walk.exercise_s > 0.0)
-    throw UsageError("--walk " + core::printable(o.walk) +
-                     ": an exercise on the stand; expected a walk, without exercise_s");
+  walk::require_steps(walk, o.walk);
   const OutFolder folder(o.out);
   const walk::RolloutOptions rollout = walk::rollout_of(model, walk.mode, walk.walk_until_s);
   const walk::Rollout r = walk::run_walk(model.robot, rollout, walk.parameters);
@@ -253,8 +251,11 @@ void simulate(const WalkOptions& o) {
     if (o.seconds)
       throw UsageError("--seconds: not of an exercise, whose time is exercise_s of " +
                        core::printable(o.walk));
-    log::write_log(walk::simulate_exercise(model.robot, walk, 1.0 / o.rate_hz, o.sensor_seed), o.out,
-                   o.comments.of_log());
+    log::write_log(
+        walk::simulate_exercise(model.robot, walk,
+                                walk::rollout_of(model, walk.mode, walk.walk_until_s).command_delay_s,
+                                1.0 / o.rate_hz, o.sensor_seed),
+        o.out, o.comments.of_log());
     std::printf("an exercise of %.3g s on the stand\n", walk.exercise_s);
     return;
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "furcula/control/walk/exercise.hpp"
 #include "host/cli/errors.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
@@ -36,8 +37,11 @@ void run(const WalkLoopOptions& o) {
   require_from("--threads", o.loop.threads, 0, 1024);
   if (!(o.loop.deviations >= 0.0 && o.loop.deviations <= 2.0))
     throw UsageError("--deviations " + core::shortest(o.loop.deviations) + ": expected from 0 to 2");
-  if (!(o.loop.exercise_s >= 0.0 && o.loop.exercise_s <= 1000.0))
-    throw UsageError("--exercise-s " + core::shortest(o.loop.exercise_s) + ": expected from 0 to 1000");
+  if (const double s = o.loop.exercise_s;
+      s != 0.0 && !(s >= control::kLeastExercise_s && s <= control::kMostExercise_s))
+    throw UsageError("--exercise-s " + core::shortest(s) + ": expected 0, or from " +
+                     core::shortest(control::kLeastExercise_s) + " to " +
+                     core::shortest(control::kMostExercise_s));
   loop::LoopOptions options = o.loop;
   options.rounds = static_cast<unsigned>(o.rounds);
   options.repetitions = static_cast<unsigned>(o.repetitions);

@@ -88,10 +88,6 @@ double log_normal_tail(double z) {
                    : -0.5 * z * z - std::log(-z * std::sqrt(2.0 * M_PI));
 }
 
-}  // namespace
-
-namespace {
-
 /// A number in windows' estimates, given the spread of the windows' own values.
 class Spread {
  public:
@@ -105,7 +101,7 @@ class Spread {
   }
 
   /// How likely the windows are if theta is normal with that variance, by Laplace's approximation about the likeliest theta that iterations from
-  /// `from` on end at.
+  /// `from` on end at, with the weights of the last one in place of Student's curvature.
   double log_evidence(double spread, double prior_variance, double from, RandomEffect& out) {
     constexpr int kSweeps = 20;
     const double between = spread * spread;

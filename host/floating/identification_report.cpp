@@ -234,7 +234,7 @@ std::string recordings_html(const Identification& of) {
   add(*of.held_out, "held out");
   return table.html() + (notes.empty() ? "" : "<ul>" + notes + "</ul>\n") +
          report::paragraph(
-             "A window has no landing in it, begins at least 60 ms after one, and has a stance foot throughout; it is longer "
+             "A window has no landing in it, begins at least 60 ms after one, and has a stance foot throughout, unless the robot is on its stand; it is longer "
              "than half of " +
              core::rounded(of.window_s, 3) +
              " s. Time outside of windows: landings with the 60 ms after them, no stance foot throughout, "

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "host/core/error.hpp"
+#include "host/core/message.hpp"
 #include "host/core/parallel.hpp"
 
 namespace furcula::floating {
@@ -17,11 +19,11 @@ std::vector<Window> all_windows(const std::vector<Recording>& recordings, double
     out.insert(out.end(), of.begin(), of.end());
   }
   if (out.empty())
-    throw core::DataError(recordings.empty()
-                              ? "no recordings"
-                              : recordings.front().file +
-                                    ": no window of 0.15 s without a landing in which a foot is loaded; "
-                                    "expected a robot that stands or walks");
+    throw core::DataError(
+        recordings.empty() ? "no recordings"
+                           : recordings.front().file + ": no window of " + core::rounded(0.5 * length_s, 3) +
+                                 " s without a landing in which a foot is loaded; expected a robot that "
+                                 "stands or walks, or one on its stand");
   return out;
 }
 
@@ -48,7 +50,11 @@ std::vector<Window> some_of(const std::vector<Window>& windows, std::size_t most
 Machine with_best_simulator(const Machine& model, const std::vector<Recording>& recordings,
                             const std::vector<Window>& windows, const IdentifyOptions& options) {
   constexpr std::size_t kLooked = 12;
-  const std::vector<Window> some = some_of(windows, kLooked);
+  // On the stand no ground acts.
+  std::vector<Window> standing;
+  std::copy_if(windows.begin(), windows.end(), std::back_inserter(standing),
+               [](const Window& w) { return w.stance[0] || w.stance[1]; });
+  const std::vector<Window> some = some_of(standing.empty() ? windows : standing, kLooked);
   Point best{model, {}, std::vector<Local>(some.size(), Local::Zero())};
   double least = robust(some, fit_locals(recordings, some, first_variances(), best, options.settings));
   // Both begin where the windows of the best so far ended, so that costs differ by the machine and not by where a fit comes to rest.
@@ -61,6 +67,7 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
     return true;
   };
   for (const double stiffer : {3.0, 10.0}) {
+    if (standing.empty()) break;
     Machine m = model;
     auto& g = m.robot.ground;
     for (double* x : {&g.stiffness_npm, &g.shear_stiffness_npm, &g.damping_nspm, &g.shear_damping_nspm})

@@ -12,6 +12,7 @@ namespace furcula::floating {
 namespace {
 
 constexpr double kMostRoll_rad = 0.35, kMostPitch_rad = 0.5, kBeforeFall_s = 0.15, kAfterLanding_s = 0.06;
+constexpr double kStill_radps = 0.1;  // as a board on its stand (control::WalkerConfig::rest_radps)
 
 }  // namespace
 
@@ -63,8 +64,12 @@ Recording recording_of(const log::Log& log) {
     r.contact = {left[k] > 0.5, right[k] > 0.5};
     out.rows.push_back(r);
   }
-  out.held = std::none_of(out.rows.begin(), out.rows.end(),
+  double turning = 0.0;
+  for (const Row& r : out.rows) turning += dot(r.gyro_radps, r.gyro_radps);
+  out.held = turning < 3.0 * kStill_radps * kStill_radps * static_cast<double>(out.rows.size()) &&
+             std::none_of(out.rows.begin(), out.rows.end(),
                           [](const Row& r) { return r.contact[0] || r.contact[1]; });
+  if (out.held) out.notes.push_back(log.path + ": no foot is ever loaded: a robot on its stand");
   return out;
 }
 

@@ -31,7 +31,8 @@ struct Recording {
   std::string file;
   std::vector<Row> rows;
   bool passive_hips = false;
-  bool held = false;             ///< on a stand that holds the pelvis: no foot is loaded in any row
+  bool held =
+      false;  ///< on a stand that holds the pelvis: no foot is loaded in any row, and the gyro is still
   std::optional<double> fall_s;  ///< after the first row of the log; without it the robot does not fall
   std::vector<std::string> notes;
 };
@@ -55,7 +56,8 @@ struct Unused {
   double short_s = 0.0;      ///< less than half a window to the next landing or the end
 };
 
-/// Of about `length_s`, one after the other; none has a landing in it or begins within 60 ms of one, and in each a foot carries.
+/// Of about `length_s`, one after the other; none has a landing in it or begins within 60 ms of one, and in each a foot carries, or
+/// a stand holds the pelvis.
 std::vector<Window> windows_of(const Recording& recording, std::size_t index, double length_s,
                                Unused* unused = nullptr);
 

@@ -54,10 +54,10 @@ Stretch worst_stretch(const std::vector<Recording>& recordings, const WindowErro
   return best;
 }
 
-/// The stance foot's middle is at `at`; the first row's heading is along x.
+/// The stance foot's middle is at `at`, or a stand holds the pelvis; the first row's heading is along x.
 class Placed {
  public:
-  Placed(const Machine& model, const Row& first) : model_(model) {
+  Placed(const Machine& model, const Row& first, bool held) : model_(model), held_(held) {
     const double yaw = walk::roll_pitch_yaw(first.attitude).yaw_rad;
     level_ = {{std::cos(yaw), std::sin(yaw), 0.0}, {-std::sin(yaw), std::cos(yaw), 0.0}, {0.0, 0.0, 1.0}};
     foot_ = first.contact[0] ? 0 : 1;
@@ -73,13 +73,13 @@ class Placed {
     Points p = biped::points_of(model_.robot, {0.0, 0.0, 0.0},
                                 {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, row.angle_rad)
                    .all;
-    const Vec3<double> move = at_ - middle(p, foot_);
+    const Vec3<double> move = held_ ? Vec3<double>{0.0, 0.0, 1.0} : at_ - middle(p, foot_);
     for (Vec3<double>& v : p) v += move;
     return p;
   }
   /// The next row is measured: the foot that carries is kept until it leaves the ground.
   void advance(const Row& row) {
-    if (row.contact[foot_] || !row.contact[1 - foot_]) return;
+    if (held_ || row.contact[foot_] || !row.contact[1 - foot_]) return;
     const Vec3<double> other = middle(points(row), 1 - foot_);
     foot_ = 1 - foot_;
     at_ = {other.x, other.y, 0.0};
@@ -93,6 +93,7 @@ class Placed {
     return sum * 0.25;
   }
   const Machine& model_;
+  const bool held_;
   Mat3<double> level_;
   std::size_t foot_;
   Vec3<double> at_;
@@ -146,7 +147,7 @@ WalkPicture walk_picture(const Machine& model, const std::vector<Recording>& rec
     return std::round(1e4 * (recording.rows[row].time_s - recording.rows.front().time_s)) / 1e4;
   };
   nlohmann::json frames = nlohmann::json::array();
-  Placed placed(model, recording.rows[begin.first]);
+  Placed placed(model, recording.rows[begin.first], recording.held);
   std::size_t w = stretch.first, read = stretch.last;
   std::vector<Row> by_given, by_identified;
   for (std::size_t k = 0; k < rows; ++k) {

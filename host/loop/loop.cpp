@@ -67,8 +67,7 @@ class Loop {
  public:
   explicit Loop(const LoopOptions& options)
       : o_(options), given_(walk::read_model(options.model)), first_(walk::read_walk(options.walk)) {
-    if (first_.exercise_s > 0.0)
-      throw DataError(o_.walk + ": an exercise; expected a walk, without exercise_s");
+    walk::require_steps(first_, o_.walk);
     if (first_.robot != given_.name)
       throw DataError(o_.walk + ": a walk of " + core::quoted(first_.robot) + "; expected one of " +
                       core::quoted(given_.name) + ", the robot of " + o_.model);
@@ -148,7 +147,7 @@ class Loop {
                      text_hash(biped::format_deviations(design, given_.machine)));
     out.emplace_back("mode of the first walk",
                      std::string(walk::kModeNames[static_cast<std::size_t>(first_.mode)]));
-    out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
+    if (o_.exercise_s > 0.0) out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
     out.emplace_back("steps", std::to_string(o_.steps));
     out.emplace_back("repetitions", std::to_string(o_.repetitions));
     out.emplace_back("window_s", core::shortest(o_.identify.window_s));
@@ -181,11 +180,7 @@ class Loop {
     const Request trial = request(0, 1);
     news_ = news_ || !fs::exists(trial.log);
     get_log(trial);
-    floating::Recording recording = read_recording(trial.log, o_.identify.window_s);
-    if (!recording.held)
-      throw DataError(
-          trial.log +
-          ": a foot is loaded; expected a robot that moves its legs on its stand, or --exercise-s 0 in another folder");
+    floating::Recording recording = read_recording(trial.log, trial);
     recording.passive_hips = first_.mode == walk::WalkMode::semi_passive;
     result_.exercise = folder(0) + "/log_1.csv";
     say(0, result_.exercise + ": " +
@@ -210,7 +205,7 @@ class Loop {
       const Request trial = request(round, k);
       news_ = news_ || !fs::exists(trial.log);
       get_log(trial);
-      floating::Recording recording = read_recording(trial.log, o_.identify.window_s);
+      floating::Recording recording = read_recording(trial.log, trial);
       recording.passive_hips = walk.mode == walk::WalkMode::semi_passive;
       TrialResult t{folder(round) + "/log_" + std::to_string(k) + ".csv",
                     outcome_of(recording, given_.machine, rollout.time_s), false};

@@ -64,7 +64,10 @@ void run(const Request& r) {
 void wait_for(const Request& r) {
   const std::string log = incoming(r.log);
   r.say("trial " + std::to_string(r.repetition) + ": copy " + core::printable(r.walk) +
-        " to the robot, let it walk, and put its log at " + core::printable(log));
+        (r.round == 0
+             ? " to the robot, let it move its legs on its stand, no foot on the ground, and put its log at "
+             : " to the robot, let it walk, and put its log at ") +
+        core::printable(log));
   if (::isatty(STDIN_FILENO) == 1) {
     do {
       r.say("press Enter when it is there");
@@ -114,13 +117,22 @@ std::string command_of(const Request& r) {
   return out;
 }
 
-floating::Recording read_recording(const std::string& path, double window_s) {
+floating::Recording read_recording(const std::string& path, const Request& r) {
+  const bool on_stand = r.round == 0;
   log::Log log = log::read_log(path, "tree");
-  log::accept_stamps(log, nullptr, window_s);
+  log::accept_stamps(log, nullptr, r.window_s);
   floating::Recording out = floating::recording_of(log);
-  if (floating::windows_of(out, 0, window_s).empty())
-    throw DataError(path + ": no window of " + core::rounded(0.5 * window_s, 3) +
-                    " s without a landing in which a foot is loaded; expected a robot that stands or walks");
+  const std::string expected =
+      on_stand
+          ? "a robot that moves its legs on its stand, no foot loaded; without a stand --exercise-s 0, in another folder"
+          : "a robot that stands or walks, a foot loaded";
+  if (out.held != on_stand)
+    throw DataError(path +
+                    (on_stand ? ": a foot is loaded or the pelvis turns" : ": no foot is ever loaded") +
+                    "; expected " + expected);
+  if (floating::windows_of(out, 0, r.window_s).empty())
+    throw DataError(path + ": no window of " + core::rounded(0.5 * r.window_s, 3) +
+                    " s without a landing; expected " + expected);
   return out;
 }
 
@@ -132,7 +144,7 @@ void get_log(const Request& r) {
     run(r);
   const std::string log = incoming(r.log);
   try {
-    read_recording(log, r.window_s);
+    read_recording(log, r);
   } catch (const DataError& e) {
     throw DataError("the robot's log cannot be used: " + std::string(e.what()) + kGoOn);
   }

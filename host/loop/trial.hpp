@@ -16,9 +16,9 @@ inline constexpr std::string_view kManual = "manual";
 struct Request {
   std::string
       robot;  ///< a command for the shell with {walk}, {log} and perhaps {repetition}, {round}; or kManual
-  std::string walk;  ///< its file
-  std::string log;   ///< where the log is to be, when all of it is there
-  unsigned round = 1, repetition = 1;
+  std::string walk;                    ///< its file
+  std::string log;                     ///< where the log is to be, when all of it is there
+  unsigned round = 1, repetition = 1;  ///< round 0: an exercise on the stand
   double window_s = 0.3;
   std::function<void(const std::string& line)> say;
 };
@@ -34,8 +34,9 @@ std::string incoming(const std::string& log);
 /// fails, there is no log, it cannot be read, no window of it can be used.
 void get_log(const Request& request);
 
-/// @throws core::DataError: it cannot be read, no window of it can be used.
-floating::Recording read_recording(const std::string& log, double window_s);
+/// A log of the request's trial. @throws core::DataError: it cannot be read, no window of it can be used, it is of a robot on the stand and is to be of
+/// a walk, or the other way round.
+floating::Recording read_recording(const std::string& log, const Request& request);
 
 /// How a trial ended.
 struct Outcome {

@@ -1,6 +1,8 @@
 #include "host/walk/exercise.hpp"
 
+#include <array>
 #include <cmath>
+#include <deque>
 #include <string>
 
 #include "host/core/error.hpp"
@@ -11,8 +13,12 @@
 
 namespace furcula::walk {
 
-log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk& walk, double row_s,
-                           std::optional<std::uint64_t> seed) {
+log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk& walk,
+                           double command_delay_s, double row_s, std::optional<std::uint64_t> seed) {
+  if (walk.mode != WalkMode::active && walk.mode != WalkMode::semi_passive)
+    throw core::DataError("an exercise of mode " +
+                          core::quoted(kModeNames[static_cast<std::size_t>(walk.mode)]) +
+                          "; expected active or semi_passive, which a board runs");
   const WalkerRigConfig config{.robot = robot, .mode = walk.mode, .walk = walk.parameters, .seed = seed};
   WalkerRig rig(config);
   const control::WalkerConfig board =
@@ -20,6 +26,8 @@ log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk
   control::WalkerState state = control::begin_walker(board);
   log::Log log;
   log.rig = "tree";
+  std::deque<std::array<control::JointCommand, control::kWalkerJoints>> on_the_way(
+      static_cast<std::size_t>(std::lround(command_delay_s / WalkerRig::kTick_s)));
   const auto every = std::lround(row_s / WalkerRig::kTick_s);
   const auto ticks = std::lround((walk.exercise_s + kExerciseRest_s) / WalkerRig::kTick_s);
   for (long tick = 0; tick <= ticks;) {
@@ -28,7 +36,11 @@ log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk
     if (!seed) state.supervisor.imu_same = 0;
     const control::WalkerOutputs told =
         control::step_walker(board, state, in, static_cast<float>(WalkerRig::kTick_s));
-    rig.advance(told);
+    control::WalkerOutputs late = told;
+    on_the_way.push_back(told.joints);
+    late.joints = on_the_way.front();
+    on_the_way.pop_front();
+    rig.advance(late);
     if (told.fault != control::Fault::none)
       throw core::DataError("the board ends the exercise after " +
                             core::rounded(WalkerRig::kTick_s * static_cast<double>(tick), 3) +

@@ -10,12 +10,12 @@
 
 namespace furcula::walk {
 
-/// For so long a board's exercise is logged after its last move began: it rests in the posture.
+/// For so long an exercise is logged after its time: the robot rests in the posture.
 inline constexpr double kExerciseRest_s = 0.5;
 
-/// The log has `walk.exercise_s` and kExerciseRest_s, in rows `row_s` apart. `seed`: sensors err, drawn from it.
-/// @throws core::DataError: the board finds a fault.
-log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk& walk, double row_s,
-                           std::optional<std::uint64_t> seed);
+/// The log has `walk.exercise_s` and kExerciseRest_s, in rows `row_s` apart. Drives are late by `command_delay_s`. `seed`: sensors err, drawn from
+/// it. @throws core::DataError: the board finds a fault; a mode in which it does not walk.
+log::Log simulate_exercise(const dynamics::biped::Description& robot, const Walk& walk,
+                           double command_delay_s, double row_s, std::optional<std::uint64_t> seed);
 
 }  // namespace furcula::walk

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "furcula/control/walk/exercise.hpp"
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/strict_toml.hpp"
@@ -64,7 +65,8 @@ Walk parse_walk(std::string_view text, const std::string& name) {
   if (const toml::node* delay = head.get("command_delay_s"))
     out.command_delay_s = core::number(*delay, name, "command_delay_s", 0.0, kMostCommandDelay_s, "s");
   if (const toml::node* exercise = head.get("exercise_s"))
-    out.exercise_s = core::number(*exercise, name, "exercise_s", 0.0, 1e3, "s");
+    out.exercise_s =
+        core::number(*exercise, name, "exercise_s", control::kLeastExercise_s, control::kMostExercise_s, "s");
 
   // Each table's keys, and the tables of tables.
   std::vector<std::string_view> top{"walk"};
@@ -100,6 +102,11 @@ Walk parse_walk(std::string_view text, const std::string& name) {
   }
   out.parameters = Parameters::of(values);
   return out;
+}
+
+void require_steps(const Walk& walk, const std::string& name) {
+  if (walk.exercise_s > 0.0)
+    throw core::DataError(name + ": an exercise on the stand; expected a walk, without exercise_s");
 }
 
 Walk read_walk(const std::string& path) {

@@ -23,5 +23,7 @@ std::string format_walk(const Walk& walk);
 /// @throws core::DataError: not a walk, a parameter that is missing or beyond what a joint can do.
 Walk read_walk(const std::string& path);
 Walk parse_walk(std::string_view text, const std::string& name);
+/// @throws core::DataError: an exercise on the stand, of the file `name`.
+void require_steps(const Walk& walk, const std::string& name);
 
 }  // namespace furcula::walk

@@ -105,6 +105,7 @@ std::shared_ptr<PyLog> simulate(const Model& model, const std::string& text, dou
     throw core::DataError("rate_hz = " + core::shortest(rate_hz) +
                           ": expected from 1 to 1000, the controller's rate, and a whole part of it");
   const walk::Walk walk = walk_of(text, biped);
+  walk::require_steps(walk, "walk");
   // A longer run walks longer, and has as long to stand.
   walk::RolloutOptions rollout = walk::rollout_of(biped, walk.mode, walk.walk_until_s);
   rollout.walk_until_s = std::max(walk.walk_until_s, seconds - (rollout.time_s - walk.walk_until_s));

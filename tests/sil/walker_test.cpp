@@ -81,13 +81,18 @@ TEST_CASE(
       CHECK(most_rad - least_rad > 0.25f);
       CHECK(w.rig.state().v_mps.z == 0.0);
 
-      config.fault = WalkerFault::drive_silent;
-      config.fault_s = 5.0;
-      Walking broken(config);
-      broken.board.exercise_s = 10.0f;
-      while (broken.rig.time_s() < 6.0 && broken.told.fault == Fault::none) broken.tick();
-      CHECK(broken.told.fault == Fault::drive_silent);
-      CHECK(broken.told.stage == WalkerStage::damped);
+      // A foot on the ground is not on the stand.
+      for (const auto& [breaks, found] :
+           {std::pair{WalkerFault::drive_silent, Fault::drive_silent},
+            std::pair{WalkerFault::foot_stuck_on, Fault::contact_implausible}}) {
+        config.fault = breaks;
+        config.fault_s = 5.0;
+        Walking broken(config);
+        broken.board.exercise_s = 10.0f;
+        while (broken.rig.time_s() < 6.0 && broken.told.fault == Fault::none) broken.tick();
+        CHECK(broken.told.fault == found);
+        CHECK(broken.told.stage == WalkerStage::damped);
+      }
     }
 }
 

@@ -292,7 +292,7 @@ TEST_CASE("on the stand a joint's dry friction is named, and where nothing diffe
   for (const double friction_nm : {0.0, 4.0}) {
     INFO(friction_nm << " N m");
     robot.drives[1][dynamics::biped::kHipRoll].friction_nm += friction_nm;
-    log::Log log = walk::simulate_exercise(robot, walk, 0.01, 3);
+    log::Log log = walk::simulate_exercise(robot, walk, 0.0, 0.01, 3);
     log.path = "exercise.csv";
     const Recording recording = recording_of(log);
     CHECK(recording.held);

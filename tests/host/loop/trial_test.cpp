@@ -85,7 +85,7 @@ TEST_CASE("a trial's log gets its name when it is whole, and a log that is there
   CHECK_FALSE(std::filesystem::exists(loop::incoming(bench.request.log)));
   CHECK(bench.error().empty());
   CHECK(test::text_of(bench.folder.path() + "/ran") == "3 2\n");
-  CHECK(loop::read_recording(bench.request.log, 0.3).rows.size() == 100);
+  CHECK(loop::read_recording(bench.request.log, bench.request).rows.size() == 100);
 }
 
 TEST_CASE("a robot's command that fails is told, with how to go on, and leaves no log") {

@@ -51,9 +51,11 @@ TEST_CASE("a walk file with an exercise has the board move the legs on the stand
   const auto robot = read_model(test::source("models/biped/biped.toml")).robot;
   CHECK(walker_config(robot, read, 30.0, DriveTurns::each_tick).exercise_s == 12.5f);
   CHECK_THAT(test::error_message([&] {
-               parse_walk(changed(format_walk(read), "exercise_s = 12.5", "exercise_s = -1.0"), "walk.toml");
+               parse_walk(changed(format_walk(read), "exercise_s = 12.5", "exercise_s = 1.0"), "walk.toml");
              }),
-             Contains("walk.toml:6") && Contains("exercise_s"));
+             Contains("walk.toml:6") && Contains("exercise_s") && Contains("4"));
+  CHECK_THAT(test::error_message([&] { require_steps(read, "walk.toml"); }),
+             Contains("walk.toml: an exercise"));
 }
 
 TEST_CASE("a walk that was searched for late drives tells the board when their torques are to be expected") {

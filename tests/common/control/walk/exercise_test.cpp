@@ -22,7 +22,7 @@ TEST_CASE("an exercise keeps its ranges and the limit of speed, and ends in the 
       least[i] = std::min(least[i], offset), most[i] = std::max(most[i], offset);
       fastest[i] = std::max(fastest[i], rate);
       if (tick < 5'000) fastest_at_first[i] = std::max(fastest_at_first[i], rate);
-      if (tick > 10'400) CHECK(std::abs(offset) < 1e-6f);
+      if (tick > 10'000) CHECK(std::abs(offset) < 1e-6f);
     }
     before = now;
   }

@@ -22,6 +22,9 @@ struct ExerciseRange {
 inline constexpr std::array<ExerciseRange, dynamics::biped::kLegJoints> kExerciseRanges{
     {{-0.1f, 0.1f}, {0.0f, 0.2f}, {-0.2f, 0.2f}, {-0.15f, 0.25f}, {-0.2f, 0.2f}, {-0.12f, 0.12f}}};
 
+/// In less no move ends where it began; in more the time, a sum of ticks, is not exact enough.
+inline constexpr double kLeastExercise_s = 4.0, kMostExercise_s = 500.0;
+
 /// Joints' angles, left leg then right, rad.
 using JointAngles = std::array<float, dynamics::biped::kJoints>;
 
@@ -52,8 +55,8 @@ inline void begin_move(float exercise_s, ExerciseState& s) {
   s.move_s = s.total_s < 0.5f * exercise_s ? 1.6f : 0.8f;
   ++s.moves;
   s.from_rad = s.to_rad;
-  // The last one ends in the posture.
-  const bool last = s.total_s + s.move_s >= exercise_s;
+  // The last one ends in the posture: no further one would end in time.
+  const bool last = s.total_s + 2.0f * s.move_s > exercise_s;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const std::size_t j = i % kLegJoints;
     const bool mirrored = i >= kLegJoints && (j == kHipYaw || j == kHipRoll || j == kAnkleRoll);
@@ -65,7 +68,7 @@ inline void begin_move(float exercise_s, ExerciseState& s) {
 
 }  // namespace detail
 
-/// One tick, `dt_s` after the last: targets about `posture_rad`. After `exercise_s` they rest in the posture.
+/// One tick, `dt_s` after the last: targets about `posture_rad`. By `exercise_s`, at least kLeastExercise_s, they rest in the posture.
 inline JointAngles step_exercise(const JointAngles& posture_rad, float exercise_s, float dt_s,
                                  ExerciseState& s) {
   if (s.moves == 0) detail::begin_move(exercise_s, s);

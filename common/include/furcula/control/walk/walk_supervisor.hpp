@@ -111,9 +111,10 @@ struct WalkSupervisorState {
 
 /// Inputs of one tick of the supervisor.
 struct WalkObservation {
-  const WalkerSample& now;             ///< with the last reading of a device that did not answer
-  bool on_stand = false;               ///< does not walk yet: feet and falls are not monitored
-  bool driven = false;                 ///< the drives hold their targets
+  const WalkerSample& now;  ///< with the last reading of a device that did not answer
+  bool on_stand = false;    ///< does not walk: falls are not monitored, nor are feet unless it exercises
+  bool exercises = false;   ///< moves its legs on the stand: no foot may have load
+  bool driven = false;      ///< the drives hold their targets
   WalkPhase phase = WalkPhase::start;  ///< of the walk
   bool on_left = true;                 ///< the stance foot is the left one
   float stride_s = 1e9f;               ///< for which a foot may stay on or off the ground in `up` and `down`
@@ -294,9 +295,11 @@ inline Fault find_walk_fault(const WalkSupervisorConfig& c, WalkSupervisorState&
   const std::uint32_t pin = pin_out_of_place(c, seen);
   const bool out = seen.driven && pin != kNoJoint;
   s.suspect = pin;
-  if (lasting_s(s.pins_s, out && seen.on_stand, dt_s) > c.pins_max_s) return Fault::clutch_not_engaged;
-  if (lasting_s(s.pin_out_s, out && !seen.on_stand, dt_s) > c.pin_out_s) return Fault::clutch_not_engaged;
+  const bool waits = seen.on_stand && !seen.exercises;
+  if (lasting_s(s.pins_s, out && waits, dt_s) > c.pins_max_s) return Fault::clutch_not_engaged;
+  if (lasting_s(s.pin_out_s, out && !waits, dt_s) > c.pin_out_s) return Fault::clutch_not_engaged;
   s.suspect = kNoJoint;
+  if (seen.exercises && (seen.carries[0] || seen.carries[1])) return Fault::contact_implausible;
   if (seen.on_stand) return Fault::none;
   if (!(seen.up.z > c.upright_least) || !(seen.height_m > c.height_least_m)) return Fault::falling;
   return find_foot_fault(c, s, seen, dt_s);

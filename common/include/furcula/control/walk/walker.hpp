@@ -197,12 +197,14 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
   seen.passive_pins = c.passive_pins;
   seen.on_stand = s.stage != WalkerStage::walking;
   seen.driven = s.stage != WalkerStage::idle && s.stage != WalkerStage::damped;
-  WalkOutputs<float> walked;
-  if (s.stage == WalkerStage::walking) {
+  seen.exercises = s.stage == WalkerStage::exercising;
+  if (s.stage == WalkerStage::walking || seen.exercises)
     for (std::size_t side = 0; side < 2; ++side) {
       s.feet[side].step(s.last.foot_n[side], c.foot_threshold_n, dt_s);
       seen.carries[side] = s.feet[side].carries > 0.5f;
     }
+  WalkOutputs<float> walked;
+  if (s.stage == WalkerStage::walking) {
     WalkSample<float> sample;
     for (std::size_t i = 0; i < kWalkerJoints; ++i) {
       set_joint<float>(sample.q_rad, i, s.last.joints[i].angle_rad);
@@ -220,8 +222,7 @@ inline WalkerOutputs step_walker(const WalkerConfig& c, WalkerState& s, const Wa
     seen.up = up;
     seen.height_m = (left_m > right_m ? left_m : right_m) + c.sole_m;
   }
-  if (s.stage == WalkerStage::exercising)
-    step_attitude(c.attitude, {s.last.gyro_radps, s.last.acc_mps2}, dt_s, s.filter);
+  if (seen.exercises) step_attitude(c.attitude, {s.last.gyro_radps, s.last.acc_mps2}, dt_s, s.filter);
   const auto& w = c.walk.walk;
   seen.stride_s = 2.5f * (w.up_s + w.down_s);  // of two steps, with a margin
   seen.phase = s.walk.phase[0];
