@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "host/core/parallel.hpp"
 
 namespace furcula::floating {
 namespace {
 
-constexpr std::size_t kMostCauses = 6;
+constexpr std::size_t kMostCauses = 6, kRivals = 24;
 constexpr double kAsLikely = 3.0;  // odds of 20
 constexpr double kTick_s =
     1e-3;  // of the board's loop and of a simulation: a command may act so much earlier or later
@@ -179,70 +181,127 @@ RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::Vect
   return best;
 }
 
-std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
-                          const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
-                          const std::vector<Variances>& variances, unsigned threads) {
-  constexpr std::size_t kPhases = 4;  // later ones are alike
-  std::vector<std::size_t> phase;
-  std::size_t further = 4 * kPhases;
-  for (const Window& w : windows) {
-    const std::size_t stance = (w.stance[0] ? 1 : 0) + (w.stance[1] ? 2 : 0);
-    // On the stand no ground acts: each window is by itself.
-    phase.push_back(stance == 0 ? further++ : std::min(w.phase, kPhases - 1) * 4 + stance);
-  }
-  std::vector<Candidate> all = candidates(model, unknowns);
-  std::vector<std::size_t> nuisances;
-  for (std::size_t i = 0; i < unknowns.size(); ++i)
-    if (of_simulator(unknowns[i])) nuisances.push_back(i);
-  const double prior = std::log(static_cast<double>(all.size()));
+namespace {
 
-  std::vector<Cause> found;
-  std::vector<double> spreads;
-  while (found.size() < kMostCauses) {
-    std::vector<std::size_t> columns;
+/// Evidence of numbers in windows, given numbers that are known to differ.
+class Evidences {
+ public:
+  Evidences(const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
+            const std::vector<Variances>& variances, std::vector<std::size_t> simulator, unsigned threads)
+      : linear_(linear), variances_(variances), simulator_(std::move(simulator)), threads_(threads) {
+    constexpr std::size_t kPhases = 4;  // later ones are alike
+    std::size_t further = 4 * kPhases;
+    for (const Window& w : windows) {
+      const std::size_t stance = (w.stance[0] ? 1 : 0) + (w.stance[1] ? 2 : 0);
+      // On the stand no ground acts: each window is by itself.
+      phase_.push_back(stance == 0 ? further++ : std::min(w.phase, kPhases - 1) * 4 + stance);
+    }
+  }
+
+  /// Of `all`, where each of `named` differs by an amount that is sought, and from window to window by its spread.
+  std::vector<RandomEffect> operator()(const std::vector<Candidate>& all,
+                                       const std::vector<std::size_t>& named,
+                                       const std::vector<double>& spreads) const {
+    std::vector<std::size_t> columns, nuisances = simulator_;
     for (const Candidate& c : all) columns.push_back(c.unknown);
-    std::vector<Reduced> parts(windows.size());
-    core::parallel_for(windows.size(), threads, [&](std::size_t w) {
-      parts[w] = reduced(linear[w], variances[w], columns, nuisances, spreads);
+    nuisances.insert(nuisances.end(), named.begin(), named.end());
+    std::vector<Reduced> parts(linear_.size());
+    core::parallel_for(linear_.size(), threads_, [&](std::size_t w) {
+      parts[w] = reduced(linear_[w], variances_[w], columns, nuisances, spreads);
     });
     // What is common to all windows of the nuisances, at its most likely, is taken off.
-    const auto n = static_cast<Eigen::Index>(nuisances.size());
-    Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
-    Eigen::MatrixXd with = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(all.size()), n);
+    const auto n = static_cast<Eigen::Index>(nuisances.size()), n_all = static_cast<Eigen::Index>(all.size()),
+               windows = static_cast<Eigen::Index>(linear_.size());
+    Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n), with = Eigen::MatrixXd::Zero(n_all, n);
     for (const Reduced& r : parts) precision += r.nuisance, with += r.with_nuisance;
     const Eigen::MatrixXd share = precision.llt().solve(with.transpose()).transpose();
-    const auto windows_n = static_cast<Eigen::Index>(windows.size());
-    Eigen::MatrixXd information(windows_n, static_cast<Eigen::Index>(all.size())),
-        score(windows_n, static_cast<Eigen::Index>(all.size()));
-    for (Eigen::Index w = 0; w < windows_n; ++w) {
+    Eigen::MatrixXd information(windows, n_all), score(windows, n_all);
+    for (Eigen::Index w = 0; w < windows; ++w) {
       const Reduced& r = parts[static_cast<std::size_t>(w)];
       information.row(w) = (r.information - 2.0 * share.cwiseProduct(r.with_nuisance).rowwise().sum() +
                             (share * r.nuisance).cwiseProduct(share).rowwise().sum())
                                .transpose();
       score.row(w) = (r.score - share * r.nuisance_score).transpose();
     }
-    std::vector<RandomEffect> effects(all.size());
-    core::parallel_for(all.size(), threads, [&](std::size_t k) {
+    std::vector<RandomEffect> out(all.size());
+    core::parallel_for(all.size(), threads_, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);
-      effects[k] =
-          random_effect(information.col(column), score.col(column), phase, all[k].tick, all[k].positive);
+      out[k] =
+          random_effect(information.col(column), score.col(column), phase_, all[k].tick, all[k].positive);
     });
-    const auto best =
-        static_cast<std::size_t>(std::max_element(effects.begin(), effects.end(),
-                                                  [](const RandomEffect& a, const RandomEffect& b) {
-                                                    return a.log_bayes_factor < b.log_bayes_factor;
-                                                  }) -
-                                 effects.begin());
+    return out;
+  }
+
+ private:
+  const std::vector<LinearWindow>& linear_;
+  const std::vector<Variances>& variances_;
+  const std::vector<std::size_t> simulator_;
+  const unsigned threads_;
+  std::vector<std::size_t> phase_;
+};
+
+}  // namespace
+
+std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
+                          const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
+                          const std::vector<Variances>& variances, unsigned threads) {
+  std::vector<Candidate> all = candidates(model, unknowns);
+  std::vector<std::size_t> simulator;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (of_simulator(unknowns[i])) simulator.push_back(i);
+  const double prior = std::log(static_cast<double>(all.size()));
+  const Evidences evidences(windows, linear, variances, simulator, threads);
+
+  std::vector<Cause> found;
+  std::vector<std::size_t> named;
+  std::vector<double> spreads;
+  while (found.size() < kMostCauses) {
+    const std::vector<RandomEffect> effects = evidences(all, named, spreads);
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return effects[a].log_bayes_factor > effects[b].log_bayes_factor;
+    });
+    std::vector<std::size_t> rivals;  // that can be named
+    for (const std::size_t k : order)
+      if (rivals.size() < kRivals && effects[k].log_bayes_factor > prior) rivals.push_back(k);
+    if (rivals.empty()) break;
+    // What is left of one where the other differs. A number that acts at one joint may have as much evidence by itself as one that acts at all of
+    // them, but leaves the other's.
+    const auto n = static_cast<Eigen::Index>(rivals.size());
+    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index other = 0; n > 1 && other < n; ++other) {
+      const std::size_t k = rivals[static_cast<std::size_t>(other)];
+      std::vector<std::size_t> and_it = named;
+      std::vector<double> its_spread = spreads;
+      and_it.push_back(all[k].unknown), its_spread.push_back(effects[k].spread);
+      std::vector<Candidate> those;
+      for (const std::size_t r : rivals) those.push_back(all[r]);
+      const std::vector<RandomEffect> given = evidences(those, and_it, its_spread);
+      for (Eigen::Index one = 0; one < n; ++one)
+        left(one, other) = given[static_cast<std::size_t>(one)].log_bayes_factor;
+    }
+    // By how much each is likelier than the other: both differences are those of a model with both.
+    const Eigen::MatrixXd ahead = left - left.transpose();
+    Eigen::Index first = 0;
+    for (Eigen::Index r = 1; r < n; ++r)
+      if (ahead.row(r).minCoeff() > ahead.row(first).minCoeff()) first = r;
+    const std::size_t best = rivals[static_cast<std::size_t>(first)];
     const RandomEffect& e = effects[best];
-    if (!(e.log_bayes_factor > prior)) break;
-    double odds = 0.0;
-    for (const RandomEffect& of : effects) odds += std::exp(of.log_bayes_factor - prior);
-    Cause cause{
-        all[best].unknown, e.theta, e.sd, e.spread, std::exp(e.log_bayes_factor - prior) / (1.0 + odds), {}};
-    for (std::size_t k = 0; k < all.size(); ++k)
-      if (k != best && effects[k].log_bayes_factor > e.log_bayes_factor - kAsLikely)
-        cause.correlated_with.push_back(all[k].unknown);
-    nuisances.push_back(cause.unknown);
+    const auto behind = [&](std::size_t k) {
+      const auto at = std::find(rivals.begin(), rivals.end(), k);
+      return at != rivals.end() ? ahead(first, at - rivals.begin())
+                                : effects[rivals.front()].log_bayes_factor - effects[k].log_bayes_factor;
+    };
+    Cause cause{all[best].unknown, e.theta, e.sd, e.spread, 0.0, {}};
+    double odds = std::exp(prior - e.log_bayes_factor);  // of none
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (k == best) continue;
+      odds += std::exp(-behind(k));
+      if (behind(k) < kAsLikely) cause.correlated_with.push_back(all[k].unknown);
+    }
+    cause.confidence = 1.0 / (1.0 + odds);
+    named.push_back(cause.unknown);
     spreads.push_back(cause.spread);
     found.push_back(std::move(cause));
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
