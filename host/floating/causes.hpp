@@ -33,9 +33,9 @@ RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::Vect
                            const std::vector<std::size_t>& phase, double tick, bool positive);
 
 /// The causes in the order in which they were found, none where no number is likelier to differ than not. Of those with evidence the one comes first
-/// that leaves least of the others'. Prior odds are one expected cause
-/// among all candidates. Sizes are those of one linear step from the model: too small where the deviation is large. Stiffness, damping and friction of the ground, the shape of the soles and the ramp of dry friction are not among them: two
-/// simulators differ in these. `linear`: about `model`.
+/// that leaves least of the others'. Prior odds are one expected cause among all candidates. Sizes are those of one linear step from the model: too
+/// small where the deviation is large. Stiffness, damping and friction of the ground, the shape of the soles and the ramp of dry friction are not
+/// among them: two simulators differ in these. `linear`: about `model`.
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
                           const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
                           const std::vector<Variances>& variances, unsigned threads);
