@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 # Causes that furcula_mujoco_robot plants, and what `furcula walk identify` calls them: for loop-study and walk-naming.
 import shlex
 import subprocess

@@ -22,8 +22,10 @@ struct ExerciseRange {
 inline constexpr std::array<ExerciseRange, dynamics::biped::kLegJoints> kExerciseRanges{
     {{-0.1f, 0.1f}, {0.0f, 0.2f}, {-0.2f, 0.2f}, {-0.15f, 0.25f}, {-0.2f, 0.2f}, {-0.12f, 0.12f}}};
 
-/// In less no move ends where it began; in more the time, a sum of ticks, is not exact enough.
-inline constexpr double kLeastExercise_s = 4.0, kMostExercise_s = 500.0;
+/// Shortest exercise, s: a move and the way back.
+inline constexpr double kLeastExercise_s = 4.0;
+/// Longest exercise, s: its time is a sum of ticks in float, which is exact enough up to 512 s.
+inline constexpr double kMostExercise_s = 500.0;
 
 /// Joints' angles, left leg then right, rad.
 using JointAngles = std::array<float, dynamics::biped::kJoints>;
