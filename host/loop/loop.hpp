@@ -2,9 +2,9 @@
 //
 // Before the first walk the robot moves its legs on its stand, which identifications use, too.
 //
-// Files in `out` are what a loop goes on from: round_0/walk.toml and log_1.csv of this exercise, round_1/walk.toml, round_1/log_1.csv ..., round_1/identified_model.toml with
-// identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is whole, and its step is done.
-// loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
+// Files in `out` are what a loop goes on from: round_0/walk.toml and log_1.csv of this exercise, round_1/walk.toml, round_1/log_1.csv ...,
+// round_1/identified_model.toml with identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is
+// whole, and its step is done. loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
 #pragma once
 
 #include <cstdint>

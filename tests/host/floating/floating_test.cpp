@@ -282,6 +282,42 @@ TEST_CASE("variances are those that the windows' disturbances were drawn from") 
   CHECK(ratios / groups == Approx(1.0).epsilon(0.3));
 }
 
+TEST_CASE("on a stand with late drives the legs move as much later") {
+  walk::Walk walk = test::found_walk("active");
+  walk.exercise_s = 4.0;
+  const auto knee_rad = [&](double command_delay_s) {
+    return simulate_exercise(dynamics::biped::design(), walk, command_delay_s, 1e-3, std::nullopt)
+        .at("angle_left_knee_rad");
+  };
+  const std::vector<double> prompt = knee_rad(0.0), late = knee_rad(5e-3);
+  double shifted = 0.0, same_time = 0.0;
+  for (std::size_t k = 1000; k + 5 < prompt.size(); ++k) {
+    shifted = std::max(shifted, std::abs(late[k + 5] - prompt[k]));
+    same_time = std::max(same_time, std::abs(late[k] - prompt[k]));
+  }
+  CHECK(shifted < 1e-5);
+  CHECK(same_time > 1e-4);
+}
+
+TEST_CASE("a window of the stand hardly depends on the step") {
+  walk::Walk walk = test::found_walk("active");
+  walk.exercise_s = 8.0;
+  log::Log log = walk::simulate_exercise(dynamics::biped::design(), walk, 0.0, 0.01, 3);
+  log.path = "exercise.csv";
+  const Recording recording = recording_of(log);
+  const Machine machine = nominal();
+  const Plant plant = plant_of(machine);
+  const Local none = Local::Zero();
+  const Variant here{&machine, &plant, none.data()};
+  double worst = 0.0;
+  for (const Window& w : windows_of(recording, 0, 0.3)) {
+    const Eigen::MatrixXd fine = residuals(recording, w, std::span(&here, 1), 6.25e-5),
+                          coarse = residuals(recording, w, std::span(&here, 1), Settings{}.step_s);
+    worst = std::max(worst, (coarse - fine).cwiseAbs().maxCoeff());
+  }
+  CHECK(worst < 5e-5);  // noise of an encoder
+}
+
 TEST_CASE(
     "on the stand a joint's dry friction is named, and nothing beside it but what its sensors are off by") {
   constexpr double kFriction_nm = 4.0;
