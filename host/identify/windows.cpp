@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numbers>
 
 #include "host/core/message.hpp"
@@ -146,16 +147,80 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
   return without_pauses(std::move(found), r);
 }
 
-std::vector<Window> free_flights(const Recording& r, std::size_t index) {
+namespace {
+
+/// The least time in which a flight shows: what falls with a quarter of gravity at least, dry friction taking the rest, stays within so many
+/// deviations of its encoder's noise no longer than about its apex.
+constexpr double kNoises = 8.0;
+double apex_s(const Recording& r, double gravity_mps2) {
+  constexpr double kOfGravity = 0.25;
+  return 2.0 * std::sqrt(2.0 * kNoises * r.position_noise / (kOfGravity * std::max(gravity_mps2, 1e-3)));
+}
+
+/// Marks rows of a carriage at rest: held by a hand, hung up, on its stop.
+void mark_rest(const Recording& r, double least_s, const std::vector<bool>& touches,
+               std::vector<bool>& marks) {
+  // Each row's longest stretch without a position further away, by the rows of least and most position in it.
+  std::deque<std::size_t> least, most;
+  std::size_t first = 0, marked = 0;
+  for (std::size_t last = 0; last < r.rows(); ++last) {
+    if (touches[last]) {
+      least.clear();
+      most.clear();
+      first = last + 1;
+      continue;
+    }
+    while (!least.empty() && r.position[least.back()] >= r.position[last]) least.pop_back();
+    while (!most.empty() && r.position[most.back()] <= r.position[last]) most.pop_back();
+    least.push_back(last);
+    most.push_back(last);
+    while (r.position[most.front()] - r.position[least.front()] > kNoises * r.position_noise) {
+      ++first;
+      if (least.front() < first) least.pop_front();
+      if (most.front() < first) most.pop_front();
+    }
+    if (r.time_s[last] - r.time_s[first] <= least_s) continue;
+    for (marked = std::max(marked, first); marked <= last; ++marked) marks[marked] = true;
+  }
+}
+
+/// Marks rows in which it is pushed: nothing else makes it rise faster and faster.
+void mark_push(const Recording& r, double least_s, const std::vector<bool>& touches,
+               std::vector<bool>& marks) {
+  // Standard deviations of a position's distance from the chord of two others, each sqrt(1.5) times the noise.
+  constexpr double kSurely = 4.0;
+  const double clear_m = kSurely * std::sqrt(1.5) * r.position_noise;
+  std::size_t middle = 0, last = 0, touched = 0;  // the last row so far that touches, counted from 1
+  bool before = false;                            // one row alone may be wrong
+  for (std::size_t first = 0; first < r.rows(); ++first) {
+    while (middle < r.rows() && r.time_s[middle] - r.time_s[first] < 0.5 * least_s) ++middle;
+    for (; last < r.rows() && r.time_s[last] - r.time_s[first] < least_s; ++last)
+      if (touches[last]) touched = last + 1;
+    if (last == r.rows()) return;
+    const double whole_s = r.time_s[last] - r.time_s[first], whole_m = r.position[last] - r.position[first],
+                 chord_m = r.position[first] + whole_m * (r.time_s[middle] - r.time_s[first]) / whole_s;
+    const bool pushed = touched <= first && !touches[last] && whole_s <= 2.0 * least_s && whole_m > 0.0 &&
+                        chord_m - r.position[middle] > clear_m;
+    for (std::size_t row = first - 1; pushed && before && row <= middle; ++row) marks[row] = true;
+    before = pushed;
+  }
+}
+
+}  // namespace
+
+std::vector<Window> free_flights(const Recording& r, std::size_t index, double gravity_mps2) {
   constexpr std::size_t kFewestRows = 6;
   std::vector<Window> found;
   const std::size_t n = r.rows();
-  const auto touches = [&](std::size_t i) { return !r.contact.empty() && r.contact[i] != 0.0; };
+  std::vector<bool> touches(n, false), held(n, false);
+  for (std::size_t i = 0; i < n && !r.contact.empty(); ++i) touches[i] = r.contact[i] != 0.0;
+  mark_rest(r, apex_s(r, gravity_mps2), touches, held);
+  mark_push(r, apex_s(r, gravity_mps2), touches, held);
+  const auto flies = [&](std::size_t i) { return !touches[i] && !held[i]; };
   for (std::size_t first = 0; first < n; ++first) {
-    if (touches(first)) continue;
+    if (!flies(first)) continue;
     std::size_t last = first;
-    while (last + 1 < n && !touches(last + 1) && r.time_s[last + 1] - r.time_s[last] <= kLongestPause_s)
-      ++last;
+    while (last + 1 < n && flies(last + 1) && r.time_s[last + 1] - r.time_s[last] <= kLongestPause_s) ++last;
     if (last - first + 1 >= kFewestRows && r.time_s[last] - r.time_s[first] >= kShortestPhase_s)
       found.push_back({index, first, last, WindowKind::flight, 0, 0});
     first = last;
@@ -275,7 +340,7 @@ std::vector<Window> cut(const Recording& r, std::size_t index, const model::Mode
       if (moves_on_the_ground(r, model)) break;
       return strides(r, index, model);
     case Cut::flights:
-      return free_flights(r, index);
+      return free_flights(r, index, model.parameter("gravity_mps2"));
     case Cut::releases:
       return releases(r, index);
     case Cut::intervals:

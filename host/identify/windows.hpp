@@ -46,9 +46,9 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
 std::vector<Window> intervals(const Recording& r, std::size_t index, double length_s, double from_s = 0.0);
 
 /// Flights of a rail carriage: rows in a row without contact, at least 30 ms and six rows, each from the
-/// first row to the last; a pause of more than 50 ms ends one. Of a log without a contact column all rows
-/// count as flight.
-std::vector<Window> free_flights(const Recording& r, std::size_t index);
+/// first row to the last; a pause of more than 50 ms ends one. Rows in which the carriage rests, before a release or on its stop, or rises faster and
+/// faster, as only a push makes it, are no flight; without a contact column all others are.
+std::vector<Window> free_flights(const Recording& r, std::size_t index, double gravity_mps2);
 
 /// Releases of a clutch bench: from the rest before the coil is switched on (at most 50 ms of it, at least
 /// three rows) to 0.25 s after it is switched off, or to before it is switched on again; at least 30 ms after

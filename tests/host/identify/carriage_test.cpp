@@ -51,21 +51,62 @@ TEST_CASE("A carriage's windows are its flights, each whole and without a row of
 TEST_CASE("Without a contact column all rows are one flight, which a pause divides") {
   log::Log log = test::flight_log({.height = 1.2}, 9e-5, 1);
   log.columns.erase("contact");
-  const auto whole = identify::free_flights(identify::make_recording(log, Kind::rail_carriage), 0);
+  const auto whole = identify::free_flights(identify::make_recording(log, Kind::rail_carriage), 0, 9.81);
   REQUIRE(whole.size() == 1);
   CHECK(whole[0].first == 0);
   CHECK(whole[0].last + 1 == log.rows());
   for (std::size_t i = 200; i < log.rows(); ++i) log.columns["time_s"][i] += 0.06;
-  const auto parts = identify::free_flights(identify::make_recording(log, Kind::rail_carriage), 0);
+  const auto parts = identify::free_flights(identify::make_recording(log, Kind::rail_carriage), 0, 9.81);
   REQUIRE(parts.size() == 2);
   CHECK(parts[0].last == 199);
   CHECK(parts[1].first == 200);
 }
 
+TEST_CASE("Rows in which a carriage is held before its release, or lies on its stop, are no flight") {
+  log::Log log = test::flight_log({.height = 1.2}, 9e-5, 1);
+  std::size_t flies = 0;
+  while (flies < log.rows() && log.at("contact")[flies] == 0.0) ++flies;
+  constexpr std::size_t kHeld = 60;
+  log::Log held;
+  held.path = log.path;
+  for (std::size_t i = 0; i < kHeld + flies + kHeld; ++i) {
+    const std::size_t of = i < kHeld ? 0 : std::min(i - kHeld, flies - 1);
+    held.columns["time_s"].push_back(1e-3 * static_cast<double>(i));
+    held.columns["height_m"].push_back(log.at("height_m")[of] + (i % 3 == 0 ? 9e-5 : 0.0));
+  }
+  const auto found = identify::free_flights(identify::make_recording(held, Kind::rail_carriage), 0, 9.81);
+  REQUIRE(found.size() == 1);
+  // It falls by eight deviations of the noise, 0.7 mm, within 12 ms; nothing of the hold before is left, and little of the fall is lost.
+  CHECK(found[0].first >= kHeld);
+  CHECK(found[0].first <= kHeld + 16);
+  CHECK(found[0].last < kHeld + flies);
+  CHECK(found[0].last + 3 > kHeld + flies);
+  // A hand that throws it up, at 20 m/s^2 over 5 cm, is no flight either.
+  log::Log pushed;
+  pushed.path = "pushed.csv";
+  const log::Log after = test::flight_log({.height = 0.05, .velocity = std::sqrt(2.0)}, 9e-5, 2);
+  constexpr std::size_t kPush = 70;  // 71 ms to 1.41 m/s
+  for (std::size_t i = 0; i < kPush + after.rows(); ++i) {
+    const double t = 1e-3 * static_cast<double>(i);
+    pushed.columns["time_s"].push_back(t);
+    pushed.columns["height_m"].push_back(i < kPush ? 10.0 * t * t : after.at("height_m")[i - kPush]);
+  }
+  const auto thrown_up =
+      identify::free_flights(identify::make_recording(pushed, Kind::rail_carriage), 0, 9.81);
+  REQUIRE(thrown_up.size() == 1);
+  CHECK(thrown_up[0].first + 20 > kPush);
+  CHECK(thrown_up[0].first < kPush + 40);
+  // A throw stays near its apex for longer than any other flight does.
+  const log::Log thrown = test::flight_log({.height = 0.0, .velocity = 3.0}, 9e-5, 1);
+  const auto whole = identify::free_flights(identify::make_recording(thrown, Kind::rail_carriage), 0, 9.81);
+  REQUIRE(whole.size() == 1);
+  CHECK(whole[0].first == 0);
+}
+
 TEST_CASE("A flight shorter than 30 ms is none, and a log without any is refused with what was expected") {
   log::Log log = test::flight_log({.height = 1.0}, 9e-5, 1);
   for (std::size_t i = 0; i < log.rows(); ++i) log.columns["contact"][i] = i % 26 == 0 ? 1.0 : 0.0;
-  CHECK(identify::free_flights(identify::make_recording(log, Kind::rail_carriage), 0).empty());
+  CHECK(identify::free_flights(identify::make_recording(log, Kind::rail_carriage), 0, 9.81).empty());
   CHECK_THROWS_WITH(identify::identify(test::carriage_model(), {log, log}, {}),
                     Catch::Contains("flight-1.csv") && Catch::Contains("30 ms"));
 }
