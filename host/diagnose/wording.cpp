@@ -205,17 +205,21 @@ std::string summary_of(const Diagnosis& d) {
   const std::string falls = std::string(d.findings.size() > 1 ? ": with them the " : ": with it the ") +
                             where + (lower(d) ? " falls " : " goes ") +
                             before_and_after(d, d.refitted, d.extended);
+  const std::string no_finding = "It looks as if " + named + falls + ". But a confidence of " +
+                                 number(highest_confidence(d), 2) + " is no finding";
   switch (d.verdict) {
     case Verdict::adequate:
       return "The model is adequate: after moving its free parameters, nothing is left but " +
              what_is_left(d) + " (" + where + " " + before_and_after(d, d.baseline, d.refitted) + ").";
     case Verdict::explained:
+      if (!any_believed(d)) {
+        const std::vector<std::string>& why = d.findings.front().lowered_by;
+        return no_finding + (why.empty() ? "" : ": " + why.front()) + ".";
+      }
       return sentence(named + falls + beside_the_floor(d) + ".");
     case Verdict::partly_explained:
       if (!any_believed(d))
-        return "It looks as if " + named + falls + ". But a confidence of " +
-               number(highest_confidence(d), 2) +
-               " is no finding, and structure remains that no effect of the catalogue removes.";
+        return no_finding + ", and structure remains that no effect of the catalogue removes.";
       if (d.unnamed_share <= 0.5)
         return sentence(named + falls + ", but structure remains that no effect of the catalogue removes.");
       return "Most of what is wrong with the model is not in the catalogue. A part of it looks as if " +

@@ -97,6 +97,7 @@ TEST_CASE("A parameter of the model that is wrong is said with both values, besi
   Finding mass;
   mass.effect = dynamics::Effect::mass_error;
   mass.parameters["mass_kg"] = {1.62, 1.6, 1.64};
+  mass.confidence = 0.9;
   d.findings.push_back(mass);
   result::Parameter given;
   given.name = "mass_kg";
@@ -112,6 +113,15 @@ TEST_CASE("A parameter of the model that is wrong is said with both values, besi
   d.findings.push_back(friction);
   CHECK(summary(d) ==
         "The model lacks dry friction (coulomb_friction: 2.5 N), and t" + wrong + ": with them" + falls);
+  // What is not believed is no finding, whatever the verdict.
+  d.findings.pop_back();
+  d.findings.front().confidence = 0.04;
+  CHECK(summary(d) ==
+        "It looks as if t" + wrong + ": with it" + falls + " But a confidence of 0.04 is no finding.");
+  d.findings.front().lowered_by = {"the names leave a part of what there is to explain"};
+  CHECK(summary(d) ==
+        "It looks as if t" + wrong + ": with it" + falls +
+            " But a confidence of 0.04 is no finding: the names leave a part of what there is to explain.");
 }
 
 }  // namespace furcula::diagnose
