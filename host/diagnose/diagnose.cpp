@@ -25,6 +25,7 @@
 #include "host/identify/verdicts.hpp"
 #include "host/machines/hopper.hpp"
 #include "host/machines/rules.hpp"
+#include "host/result/confidence.hpp"
 
 namespace furcula::diagnose {
 namespace {
@@ -102,7 +103,7 @@ std::string why_not(const Tried& t, const Selection& s) {
     return "leaves " + number(ratio) + " times the error of " + names(s.chosen.effects) +
            " on the training recordings";
   if (h.effects.size() >= s.chosen.effects.size() && ratio <= 1.05)
-    return "no better than " + names(s.chosen.effects) + ", which has fewer parameters or stands before it";
+    return "explains the training recordings no better than " + names(s.chosen.effects);
   return "needless beside " + names(s.chosen.effects);
 }
 
@@ -586,7 +587,7 @@ class Assembly {
     const Hypothesis& chosen = selection_.chosen;
     const std::optional<Remainder> left =
         d_.remainder ? d_.remainder : remainder_of(chosen.fitted, training_, crossed_->windows());
-    const double misfit = misfit_of(left) * overdispersion(chosen.fit, crossed_->units());
+    const double misfit = misfit_of(left);
     const Posterior posterior(model_, selection_.pool, misfit);
     double unnamed = 0.0;
     if (!other_channels_alone()) {
@@ -595,7 +596,7 @@ class Assembly {
           unnamed_share(crossed_before_, crossed_after_, crossed_floor_,
                         structured ? &left->crossed : nullptr, random_alone_in_training(chosen.fitted, left));
     }
-    const double none = share_of_none(std::max(unnamed, d_.unnamed_share));
+    const double none = result::share_of_none(std::max(unnamed, d_.unnamed_share));
     d_.none_of_catalogue = none;
     const double beside = most_beside(nmse(d_.extended), nmse(d_.noise_floor));
     const bool all_contradicted = !other_channels_alone() && !helps_held_out();

@@ -51,10 +51,11 @@ bool leaves_more(const Hypothesis& one, const Hypothesis& other, double share) {
 }
 
 double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
-                   std::size_t layers) {
+                   std::size_t layers, bool motion) {
   double evidence = 0.0;
   for (std::size_t i = 0; i < identify::kChannels; ++i) {
     const auto c = static_cast<identify::Channel>(i);
+    if (c == identify::Channel::motion && !motion) continue;
     const identify::ChannelShare share = channel(of, c);
     const double rows = share.effective_rows / static_cast<double>(layers);
     if (rows < 2.0) continue;

@@ -51,9 +51,9 @@ bool leaves_more(const Hypothesis& one, const Hypothesis& other, double share);
 
 /// Twice the log-likelihood ratio of `larger` over `smaller`, with as many independent samples as the
 /// residuals of `of` are worth; each channel with a noise level of its own. `layers`: in how many windows
-/// each row lies.
+/// each row lies. `motion`: whether the body's motion is among the channels.
 double evidence_of(const identify::Fit& smaller, const identify::Fit& larger, const identify::Fit& of,
-                   std::size_t layers);
+                   std::size_t layers, bool motion = true);
 
 /// Which windows an estimate is made without: the training recordings (or, of few, stretches of them) in
 /// folds, and by how much the unknowns move without each fold, by one Gauss-Newton step.

@@ -65,11 +65,6 @@ double unnamed_share(double before, double after, double floor, const Predictabl
   return std::clamp(above / (above + before - after), 0.0, 1.0);
 }
 
-double share_of_none(double unnamed_share) {
-  const double odds = kConfidence.odds_of_none_by_share * unnamed_share;
-  return odds / (1.0 + odds);
-}
-
 namespace {
 
 /// From where to where the windows go, but for their outermost hundredths.

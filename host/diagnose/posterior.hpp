@@ -21,9 +21,6 @@ struct ConfidenceRules {
   /// Evidence is worth less where the best set leaves what a flexible law predicts; where next to nothing but
   /// that is left, so much less. Below a tenth of it the flexible law's own errors count.
   double largest_misfit = 10.0;
-  /// None of the catalogue: odds by how much of what there is to explain no name explains. A fifth makes them
-  /// even: in the blind suite such names were right less often still, and real machines have more than one cause.
-  double odds_of_none_by_share = 5.0;
   /// None of the catalogue, again: odds by the share of the motion (RMS over its own, noise apart) that held-out runs are off by with all
   /// that is named. A tenth makes them even: names beside such an error stand for something else as often as not.
   double even_at_share_of_motion = 0.1;
@@ -91,9 +88,6 @@ double misfit_of(const std::optional<Remainder>& left);
 /// what a flexible law predicts of the rest; `nothing_left`: only what comes at random.
 double unnamed_share(double before, double after, double floor, const Predictable* predictable,
                      bool nothing_left);
-
-/// With that share unexplained.
-double share_of_none(double unnamed_share);
 
 /// What the recordings would have to show of a law and do not, in words; nothing where they do.
 std::optional<std::string> too_little_seen(dynamics::Effect e, const model::Model& fitted,

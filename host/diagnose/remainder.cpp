@@ -247,21 +247,26 @@ struct Filter {
 
 constexpr std::size_t kSettles = 4;  // rows in which the filter learns its start
 
+/// Minus twice the logarithm of the likelihood of a window's first rows, but for a constant.
+double surprise(const Linear& w, const Sizes& sizes, std::size_t rows) {
+  double sum = 0;
+  Filter f(w, sizes);
+  Eigen::Vector3d state = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < rows; ++i) {
+    f.measure(w, sizes);
+    const double is_new = w.left[i] - state(0);
+    if (i >= kSettles) sum += 2 * std::log(f.deviation) + is_new * is_new / (f.deviation * f.deviation);
+    if (i + 1 == rows) break;
+    state += f.gain * is_new;
+    f.predict(w, sizes, i);
+    state = (f.step * state).eval();
+  }
+  return sum;
+}
+
 double surprise(const std::vector<Linear>& all, const Sizes& sizes) {
   double sum = 0;
-  for (const Linear& w : all) {
-    Filter f(w, sizes);
-    Eigen::Vector3d state = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < w.left.size(); ++i) {
-      f.measure(w, sizes);
-      const double is_new = w.left[i] - state(0);
-      if (i >= kSettles) sum += 2 * std::log(f.deviation) + is_new * is_new / (f.deviation * f.deviation);
-      if (i + 1 == w.left.size()) break;
-      state += f.gain * is_new;
-      f.predict(w, sizes, i);
-      state = (f.step * state).eval();
-    }
-  }
+  for (const Linear& w : all) sum += surprise(w, sizes, w.left.size());
   return sum;
 }
 
@@ -531,6 +536,31 @@ std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vec
   for (const Normal& n : of) lags += n.lags;
   out.new_finds = ljung_box(lags);
   return out;
+}
+
+EvidenceFor evidence_under_disturbances(const model::Model& likely, const std::vector<Recording>& recordings,
+                                        const std::vector<Window>& windows) {
+  constexpr std::size_t kFewestWindows = 4;
+  if (!dynamics::applies(Effect::force_offset, likely.kind)) return {};
+  std::vector<Linear> all;
+  std::vector<Window> of;
+  for (const Window& w : windows)
+    if (auto one = linearised(likely, recordings[w.recording], w)) {
+      all.push_back(std::move(*one));
+      of.push_back(w);
+    }
+  if (all.size() < kFewestWindows) return {};
+  const Sizes sizes = likeliest(all, typical_force(likely, all).first);
+  return [&recordings, all = std::move(all), of = std::move(of), sizes](const model::Model& other) {
+    double evidence = 0.0;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const std::optional<Linear> its = linearised(other, recordings[of[i].recording], of[i]);
+      if (!its) continue;
+      const std::size_t rows = std::min(all[i].left.size(), its->left.size());
+      evidence += surprise(all[i], sizes, rows) - surprise(*its, sizes, rows);
+    }
+    return evidence;
+  };
 }
 
 }  // namespace furcula::diagnose

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,6 +61,14 @@ struct Remainder {
   bool repeats() const;
   bool repeats_in_training() const;
 };
+
+/// Of a machine that a random force and random impacts disturb: twice the logarithm of how much likelier its positions are with another model
+/// than with `likely`, on rows that both reach. The sizes of the disturbances are those under which the recordings are likeliest with `likely`. Empty
+/// where remainder_of() has nothing. The recordings must outlive it.
+using EvidenceFor = std::function<double(const model::Model& other)>;
+EvidenceFor evidence_under_disturbances(const model::Model& likely,
+                                        const std::vector<identify::Recording>& recordings,
+                                        const std::vector<identify::Window>& windows);
 
 /// Windows as predictions are judged on; without held-out ones what is said of those stays zero. Nothing where the machine's runs jump (clutch bench) or nothing can be told.
 std::optional<Remainder> remainder_of(const model::Model& fitted,

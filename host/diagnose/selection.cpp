@@ -11,6 +11,7 @@
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/laws.hpp"
 #include "host/diagnose/proposals.hpp"
+#include "host/diagnose/remainder.hpp"
 #include "host/diagnose/wording.hpp"
 #include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
@@ -81,11 +82,16 @@ class Search {
     add_friction_of_two_sizes();
     if (keeps(Rule::early_rows)) add_drive_behind_early_rows();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
-    const double prior = trainer_.prior(s_.chosen.effects);
-    s_.pool.push_back({s_.chosen.effects, 0.0, 0.0});
+    weigh_by_chosen();
+    std::vector<const Hypothesis*> others;
     for (const auto& [effects, h] : pool_)
-      if (effects != s_.chosen.effects && (h.meaningful || effects.empty()))
-        s_.pool.push_back({effects, trainer_.evidence_over(s_.chosen, h), trainer_.prior(effects) - prior});
+      if (effects != s_.chosen.effects && (h.meaningful || effects.empty())) others.push_back(&h);
+    s_.pool.assign(others.size() + 1, {s_.chosen.effects, 0.0, 0.0});
+    const double prior = trainer_.prior(s_.chosen.effects);
+    core::parallel_for(others.size(), trainer_.threads, [&](std::size_t i) {
+      const Hypothesis& h = *others[i];
+      s_.pool[i + 1] = {h.effects, evidence_for(h), trainer_.prior(h.effects) - prior};
+    });
     return std::move(s_);
   }
 
@@ -478,8 +484,7 @@ class Search {
     return simpler ? -kEqualEvidence : one_law(h, s_.chosen) ? kEqualEvidence : 0.0;
   }
 
-  /// What each member is worth, and which sets do as well in its place with no more parameters; one that does
-  /// better, or as well with fewer, takes its place.
+  /// What each member is worth, and which sets do as well in its place; one that is likelier takes its place.
   void replace_by_rivals() {
     for (int round = 0;; ++round) {
       tell(0.8 + 0.05 * round, "what cannot be told apart");
@@ -492,6 +497,7 @@ class Search {
         if (s_.without[i].failed) s_.without[i] = trainer_.fit(rest, &s_.refitted);
       });
       for (const Hypothesis& h : s_.without) remember(h);
+      weigh_by_chosen();
       if (const Hypothesis* fewer =
               keeps(Rule::least_agreed) && round < kMostSwaps ? without_the_least_agreed() : nullptr) {
         s_.chosen = Hypothesis(*fewer);
@@ -500,10 +506,12 @@ class Search {
       }
       s_.equals = rivals();
       const Hypothesis* better = nullptr;
-      for (const auto& r : s_.equals)
-        if (keeps(Rule::rivals) && trainer_.preference(s_.chosen, r.hypothesis) > price_of(r.hypothesis) &&
-            (better == nullptr || r.hypothesis.fit.squares < better->fit.squares))
-          better = &r.hypothesis;
+      double most = 0.0;
+      for (const auto& r : s_.equals) {
+        const double odds =
+            odds_for(r.hypothesis) - (one_law(r.hypothesis, s_.chosen) ? kEqualEvidence : 0.0);
+        if (keeps(Rule::rivals) && odds > most) most = odds, better = &r.hypothesis;
+      }
       if (round == kMostSwaps) return;
       if (better != nullptr)
         acted(Rule::rivals);
@@ -517,16 +525,13 @@ class Search {
 
   /// Of all sets that were fitted and hold no more causes the one that is most likely, if it is ten times as likely as the chosen one.
   const Hypothesis* heaviest() const {
-    const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
-    const double prior = trainer_.prior(s_.chosen.effects);
     const Hypothesis* best = nullptr;
     double most = kTenTimes;
     for (const auto& [effects, h] : pool_) {
       if (effects.empty() || effects.size() > s_.chosen.effects.size() || !h.meaningful ||
           names_twice(effects) || !trainer_.compare(s_.refitted, h, all_.size()).significant)
         continue;
-      const double odds = trainer_.evidence_over(s_.chosen, h) / misfit + trainer_.prior(effects) - prior;
-      if (odds > most) most = odds, best = &h;
+      if (const double odds = odds_for(h); odds > most) most = odds, best = &h;
     }
     return best;
   }
@@ -537,7 +542,6 @@ class Search {
   const Hypothesis* without_the_least_agreed() const {
     const EffectSet& members = s_.chosen.effects;
     if (members.size() < 2) return nullptr;
-    const double misfit = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
     const Hypothesis* best = nullptr;
     double most = kTenTimes;
     for (std::size_t i = 0; i < members.size(); ++i) {
@@ -545,9 +549,8 @@ class Search {
       if (h.meaningful && judged_on(members[i], trainer_.recordings) == identify::Channel::motion &&
           (may_be_none(s_.chosen, trainer_.model, members[i]) || is_little(h)))
         return &h;
-      const double odds =
-          trainer_.evidence_over(s_.chosen, h) / misfit + trainer_.prior(h.effects) - trainer_.prior(members);
-      if (h.meaningful && odds > most) most = odds, best = &h;
+      if (!h.meaningful) continue;
+      if (const double odds = odds_for(h); odds > most) most = odds, best = &h;
     }
     return best;
   }
@@ -754,8 +757,33 @@ class Search {
     }
   }
 
+  /// Twice the logarithm of the likelihood ratio of a set over the chosen one: of the motion under random forces, of other channels by the
+  /// residuals that count as independent, where these scatter no more than those would.
+  double evidence_for(const Hypothesis& h) const {
+    if (!disturbed_) return trainer_.evidence_over(s_.chosen, h) / misfit_;
+    return disturbed_(h.fitted) +
+           evidence_of(s_.chosen.fit, h.fit, s_.chosen.fit, trainer_.training.layers, false) / misfit_;
+  }
+  /// Twice the logarithm of the odds for a set against the chosen one, as the confidence of a name has them (posterior.hpp).
+  double odds_for(const Hypothesis& h) const {
+    return evidence_for(h) + trainer_.prior(h.effects) - trainer_.prior(s_.chosen.effects);
+  }
+  /// What is known of the recordings once a set is chosen.
+  void weigh_by_chosen() {
+    misfit_ = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
+    disturbed_ = {};
+    const bool slips = std::any_of(trainer_.recordings.begin(), trainer_.recordings.end(),
+                                   [](const identify::Recording& r) { return !r.slips.empty(); });
+    if (slips) return;
+    std::vector<identify::Window> apart;  // of overlapping ones
+    for (const identify::Window& w : trainer_.training.windows)
+      if (apart.empty() || apart.back().recording != w.recording || w.first >= apart.back().last)
+        apart.push_back(w);
+    disturbed_ = evidence_under_disturbances(s_.chosen.fitted, trainer_.recordings, apart);
+  }
   bool as_good(const Hypothesis& h) const {
-    return trainer_.preference(h, s_.chosen) < kEqualEvidence || the_same(h, s_.chosen);
+    if (the_same(h, s_.chosen) || odds_for(h) > -kEqualEvidence) return true;
+    return !disturbed_ && trainer_.preference(h, s_.chosen) < kEqualEvidence;
   }
 
   /// Sets with as many parameters that explain as much as the chosen one, with another effect (or two) in the
@@ -809,6 +837,8 @@ class Search {
   std::vector<Proposal> first_screenings_;  ///< on top of the re-fitted model
   std::map<EffectSet, Hypothesis> pool_;    ///< all sets that were fitted
   Selection s_;
+  double misfit_ = 1.0;    ///< overdispersion with the chosen set
+  EvidenceFor disturbed_;  ///< over the chosen set
 };
 
 }  // namespace

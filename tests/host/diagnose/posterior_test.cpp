@@ -8,6 +8,7 @@
 
 #include "host/diagnose/laws.hpp"
 #include "host/diagnose/rule.hpp"
+#include "host/result/confidence.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;
@@ -99,9 +100,9 @@ TEST_CASE("Sets that hold an effect add up, and names of one law count once") {
 }
 
 TEST_CASE("What no name explains takes its share: a fifth of it makes the odds even") {
-  CHECK(diagnose::share_of_none(0.0) == 0.0);
-  CHECK(diagnose::share_of_none(0.2) == Approx(0.5));
-  CHECK(diagnose::share_of_none(1.0) == Approx(5.0 / 6.0));
+  CHECK(result::share_of_none(0.0) == 0.0);
+  CHECK(result::share_of_none(0.2) == Approx(0.5));
+  CHECK(result::share_of_none(1.0) == Approx(5.0 / 6.0));
   // 10 there are, 2 stay above a floor of 1: 1 of 9.
   CHECK(diagnose::unnamed_share(10.0, 2.0, 1.0, nullptr, false) == Approx(1.0 / 9.0));
   CHECK(diagnose::unnamed_share(10.0, 2.0, 1.0, nullptr, true) == 0.0);
