@@ -26,6 +26,8 @@ using core::fail;
 using core::shortest;
 
 constexpr double kMost = 1e9;
+/// Slower ones are no position law of a joint: half a period would be 10 ms.
+constexpr double kLeastLoop_hz = 50.0;
 constexpr std::string_view kInertial = "inertial";
 constexpr std::array<std::string_view, 3> kLaws{"torque", "position", "none"};  // as ControlMode
 
@@ -317,7 +319,7 @@ class Reader {
                          [&](const model::UrdfJoint& j) { return j.name == model_.robot.joints[i].name; });
   }
   void read_drive(const toml::table& table, const std::string& where, Drive& drive) {
-    std::vector<std::string_view> known{"control_mode"};
+    std::vector<std::string_view> known{"control_mode", "loop_rate_hz"};
     known.insert(known.end(), kDriveParameters.begin(), kDriveParameters.end());
     for (const auto& [key, node] : table) {
       if (node.is_table() && where == "[drive]") continue;
@@ -336,6 +338,10 @@ class Reader {
         if (next != ControlMode::position && drive.law == ControlMode::position)
           drive.kp_nmprad = drive.kd_nmsprad = 0.0;
         drive.law = next;
+        continue;
+      }
+      if (key.str() == "loop_rate_hz") {
+        drive.loop_rate_hz = core::number(node, name_, where + " loop_rate_hz", kLeastLoop_hz, kMost);
         continue;
       }
       const auto which = static_cast<std::size_t>(

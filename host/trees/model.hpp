@@ -35,6 +35,7 @@ struct Drive {
   double kp_nmprad = 0.0, kd_nmsprad = 0.0;  ///< of the position law: kp (set point - q) - kd v
   double rotor_inertia_kgm2 = 0.0;           ///< reflected to the joint
   double damping_nmspr = 0.0;                ///< viscous, in the joint
+  double loop_rate_hz = 0.0;                 ///< at which the position law is calculated; 0: continuously
 };
 
 /// The parameters of a drive that [free] may name, as "name.joint".

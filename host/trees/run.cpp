@@ -299,6 +299,13 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
       law.two_sided = true;
     }
     j.stepwise |= j.held_torque;
+    if (j.law == ControlMode::position && drives[i].loop_rate_hz > 0.0) {
+      // Calculated from what was measured at the loop's last tick, half a period ago in the mean: to first order in that, kp (c - q) - kd v has
+      // kp v and kd a times half a period more.
+      const double half_s = 0.5 / drives[i].loop_rate_hz;
+      law.damping_nmspr -= j.gain * j.kp_nmprad * half_s;
+      law.armature_kgm2 -= j.gain * j.kd_nmsprad * half_s;
+    }
     if (!Runner::is_spring(j)) continue;
     // The drive's position law is a spring to the set point and a damper; between rows both act as they are.
     law.stiffness_nmprad += j.gain * j.kp_nmprad;

@@ -45,6 +45,33 @@ double oscillator(double t, double kp, double kd, double c, double q0, double v0
 
 }  // namespace
 
+TEST_CASE("A position law that is calculated at a rate acts as one that is half a period late") {
+  constexpr double kPeriod_s = 0.002, kTarget_rad = 0.3;
+  // A torque is held for a period: exact from tick to tick.
+  std::vector<double> exact{0.0};
+  double q = 0.0, v = 0.5;
+  for (int tick = 0; tick < 500; ++tick) {
+    const double a = (20.0 * (kTarget_rad - q) - 1.5 * v) / kWheel_kgm2;
+    q += v * kPeriod_s + 0.5 * a * kPeriod_s * kPeriod_s;
+    v += a * kPeriod_s;
+    exact.push_back(q);
+  }
+  const auto off = [&](const std::string& rate) {
+    const trees::TreeModel m = test::wheel(kPosition + rate);
+    const trees::Recording r =
+        test::inputs(m, 1.0, kPeriod_s, [](std::size_t, double) { return kTarget_rad; });
+    const std::vector<double> read = readings(m, r, {}, {0.0}, {0.5});
+    double worst = 0.0;
+    for (std::size_t k = 0; k < std::min(exact.size(), read.size()); ++k)
+      worst = std::max(worst, std::abs(read[k] - exact[k]));
+    return worst;
+  };
+  CHECK(off("") > 1e-3);
+  CHECK(off("loop_rate_hz = 500.0\n") < 0.02 * off(""));
+  CHECK_THROWS_WITH(test::wheel(kPosition + std::string("loop_rate_hz = 0.0\n")),
+                    Catch::Contains("loop_rate_hz") && Catch::Contains("50"));
+}
+
 TEST_CASE("Under the torque law a wheel speeds up evenly") {
   const trees::TreeModel m = test::wheel();
   const trees::Recording r = test::inputs(m, 1.0, 0.003, [](std::size_t, double) { return 1.5; });
