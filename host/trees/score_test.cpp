@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/trees/linear.hpp"
 
@@ -25,6 +26,9 @@ constexpr double kNotable = 0.05, kKeptWhole = 0.8;
 /// What every recording gains by and keeps is no chance, if it is so much of the residuals and the first cause: the recordings may then
 /// agree less on its size. Beside other causes, what is left of those may do as much.
 constexpr double kNoChance = 0.15, kAgreeLittle = 0.2;
+
+/// Of what is told of a candidate's size: where one recording has more, the others cannot contradict it (steadiness).
+constexpr double kAlone = 0.75;
 
 /// How far off its one size a candidate's coefficient may be.
 constexpr double kOffSize = 0.5;
@@ -251,14 +255,44 @@ double ScoreTest::sureness(const Columns& base, const Score& s) const {
   return statistic;
 }
 
-/// What it gains in each fold, fitted without it.
+/// What it gains in each fold, fitted without it. Of what one recording alone tells, the others can predict nothing: then quarters of its
+/// windows are the folds.
 ScoreTest::OnFolds ScoreTest::on_folds(const Columns& base, const Score& s) const {
+  std::vector<double> size, information;
+  for (const Eigen::MatrixXd& fold : products_.fold) {
+    size.push_back(0.0);
+    information.push_back(0.0);
+    std::vector<double> of_size, of_information;
+    if (fold(0, 0) > 0.0) one_size(fold, base, s, of_size, of_information);
+    if (!of_size.empty()) size.back() = of_size.front(), information.back() = of_information.front();
+  }
+  const double all = std::accumulate(information.begin(), information.end(), 0.0);
+  const auto most = std::max_element(information.begin(), information.end());
+  if (problem_.recordings().size() >= 3 && *most > kAlone * all)
+    return on_folds(quarters_of(static_cast<std::size_t>(most - information.begin())), base, s);
+  return on_folds(products_.fold, base, s);
+}
+
+std::vector<Eigen::MatrixXd> ScoreTest::quarters_of(std::size_t recording) const {
+  constexpr std::size_t kQuarters = 4;
+  std::vector<std::size_t> windows;
+  for (std::size_t w = 0; w < products_.window.size(); ++w)
+    if (problem_.fold_of(w) == recording) windows.push_back(w);
+  std::vector<Eigen::MatrixXd> out(kQuarters,
+                                   Eigen::MatrixXd::Zero(products_.all.rows(), products_.all.cols()));
+  for (std::size_t k = 0; k < windows.size(); ++k)
+    out[k * kQuarters / windows.size()] += products_.window[windows[k]].cast<double>();
+  return out;
+}
+
+ScoreTest::OnFolds ScoreTest::on_folds(const std::vector<Eigen::MatrixXd>& parts, const Columns& base,
+                                       const Score& s) const {
   Columns with = base;
   for (const Index k : columns_of(s.candidate)) with.push_back(k);
   double gain = 0.0;
   int worse = 0, folds = 0;
   std::vector<double> size, information;
-  for (const Eigen::MatrixXd& fold : products_.fold) {
+  for (const Eigen::MatrixXd& fold : parts) {
     if (fold(0, 0) <= 0.0) continue;
     one_size(fold, base, s, size, information);
     const Eigen::MatrixXd rest = products_.all - fold;

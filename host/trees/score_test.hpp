@@ -59,6 +59,9 @@ class ScoreTest {
   double sureness(const Columns& base, const Score& s) const;
   double worse_of_one_size(Eigen::Index column) const;
   OnFolds on_folds(const Columns& base, const Score& s) const;
+  OnFolds on_folds(const std::vector<Eigen::MatrixXd>& parts, const Columns& base, const Score& s) const;
+  /// Products of a recording's windows, by quarters.
+  std::vector<Eigen::MatrixXd> quarters_of(std::size_t recording) const;
   void one_size(const Eigen::MatrixXd& fold, const Columns& base, const Score& s, std::vector<double>& size,
                 std::vector<double>& information) const;
 

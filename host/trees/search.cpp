@@ -52,6 +52,9 @@ constexpr double kAsWell = 0.02;
 constexpr std::size_t kMoreWork = 2;
 /// What a parameter more must be worth, of the loss.
 constexpr double kOfParameter = 0.01;
+/// A delay, lag or skew of less than this share of the rows' interval is none: a time anywhere in it, of which a row does not tell, scatters by
+/// as much, one over the square root of twelve.
+constexpr double kResolved = 0.2887;
 /// A Stribeck curve's rise towards standstill is one from so many standard errors on.
 constexpr double kRises = 3.0;
 /// Laws of friction with fewer parameters may be worse by so much of the loss, which a few windows make.
@@ -463,16 +466,19 @@ class Search {
     return is_of_joints(s) ? LocationType::joint : s;
   }
 
+  /// Between two rows nobody knows when a command came.
+  bool is_unresolved(const Cause& c) const {
+    return (c.effect == Effect::actuator_delay || c.effect == Effect::actuator_lag ||
+            c.effect == Effect::time_skew) &&
+           std::abs(c.values[0]) < kResolved * problem_.interval_s();
+  }
+
   /// How far the cause's parameters are from having no effect, in their own scatter, squared.
   /// `steady`: what the recordings must agree on its size, of what the linear test asks.
   double distance(const Fit& fit, std::size_t cause, double steady) const {
     double most = 0.0;
     const Cause& c = fit.at.causes[cause];
-    // Between two rows nobody knows when a command came.
-    if ((c.effect == Effect::actuator_delay || c.effect == Effect::actuator_lag ||
-         c.effect == Effect::time_skew) &&
-        std::abs(c.values[0]) < 0.25 * problem_.interval_s())
-      return 0.0;
+    if (is_unresolved(c)) return 0.0;
     std::size_t moving = 0;
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
       if (fit.unknowns[k].of_cause && fit.unknowns[k].cause == cause &&
@@ -518,14 +524,16 @@ class Search {
       }
       if (weakest == fit.at.causes.size()) return fit;
       Fit off = problem_.fit(without(fit.at, weakest), 4, &fit);
+      const bool unresolved = is_unresolved(fit.at.causes[weakest]);
       // Much is there in a few windows only: their scatter then says little.
-      if (!strict && off.loss > kMissed * fit.loss) return fit;
+      if (!strict && !unresolved && off.loss > kMissed * fit.loss) return fit;
       const std::string name = cause_name(problem_.model(), fit.at.causes[weakest]);
       const double predicts_more = off.held_out_loss / fit.held_out_loss - 1.0;
       const bool alone = fit.at.causes.size() == problem_.model().causes.size() + 1;
-      if (strict && ((alone && predicts_more > kPredictsMuch) ||
-                     (!by_chance(fit, weakest) && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
-                      predicts_more > kPredicts))) {
+      if (strict && !unresolved &&
+          ((alone && predicts_more > kPredictsMuch) ||
+           (!by_chance(fit, weakest) && distance(fit, weakest, 0.5 * kAgree) >= kHolds &&
+            predicts_more > kPredicts))) {
         predicts.insert(name);
         continue;
       }
@@ -782,6 +790,7 @@ class Search {
           ++fitted;
           const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, coefficients(s));
           const Fit other = problem_.fit(h, 5, &off);
+          if (is_unresolved(other.at.causes.back())) continue;
           // The same law in another dress has the name that it had before.
           Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
           const double more = static_cast<double>(parameters(other)) - static_cast<double>(parameters(fit));
