@@ -107,7 +107,7 @@ void run_on_tree(const RecordingOptions& o) {
                                    trees::scenario_of(model, d.experiments.front())});
   const traces::Traces traces = traces::of_tree(
       model, {{"given", {model.drives, model.causes}}, {"refitted", d.refitted}, {"extended", d.extended}},
-      d.refitted, logs.training, logs.held_out, o.window(true));
+      logs.training, logs.held_out, o.window(true));
   for (core::NewFile& file : traces::files(traces, o.traces_folder())) files.push_back(std::move(file));
   core::write_files_together(files, obsolete);
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()

@@ -53,8 +53,8 @@ void run_on_tree(const IdentifyOptions& o) {
   if (bodies) files.push_back({o.out + "/" + urdf, trees::urdf_with_bodies(model, found.bodies)});
   const trees::Hypothesis refitted{found.model.drives, found.model.causes, found.bodies};
   const traces::Traces traces =
-      traces::of_tree(model, {{"given", {model.drives, model.causes}}, {"refitted", refitted}}, refitted,
-                      logs.training, logs.held_out, o.window(true));
+      traces::of_tree(model, {{"given", {model.drives, model.causes}}, {"refitted", refitted}}, logs.training,
+                      logs.held_out, o.window(true));
   for (core::NewFile& file : traces::files(traces, o.traces_folder())) files.push_back(std::move(file));
   core::write_files_together(files);
   for (const auto& p : found.parameters)

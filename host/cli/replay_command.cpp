@@ -33,7 +33,7 @@ traces::Traces of_robot(const ReplayOptions& o) {
   const trees::TreeModel model = tree_of(o.model, log, o.accept_inertias);
   print_notes(model);
   const trees::Hypothesis given{model.drives, model.causes};
-  return traces::of_tree(model, {{"predicted", given}}, given, {log}, {}, o.window(true));
+  return traces::of_tree(model, {{"predicted", given}}, {log}, {}, o.window(true));
 }
 
 traces::Traces of_machine(const ReplayOptions& o) {

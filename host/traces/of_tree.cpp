@@ -27,8 +27,8 @@ LogTraces empty_traces(const trees::TreeModel& model, const trees::Recording& r,
 }  // namespace
 
 Traces of_tree(const trees::TreeModel& model, const std::vector<TreeHypothesis>& hypotheses,
-               const trees::Hypothesis& starts_from, const std::vector<log::Log>& training,
-               const std::vector<log::Log>& held_out, double window_s) {
+               const std::vector<log::Log>& training, const std::vector<log::Log>& held_out,
+               double window_s) {
   std::vector<trees::Recording> first, second;
   for (const log::Log& log : training) first.push_back(trees::recording_of(model, log));
   for (const log::Log& log : held_out) second.push_back(trees::recording_of(model, log));
@@ -45,8 +45,7 @@ Traces of_tree(const trees::TreeModel& model, const std::vector<TreeHypothesis>&
           if (log.window[row] == 0) log.window[row] = w + 1;
       for (std::size_t h = 0; h < hypotheses.size(); ++h) {
         std::vector<trees::Trace> traces;
-        trees::predict(model, alone, window_s, hypotheses[h].of, starts_from, &traces,
-                       &trees::Trace::extended);
+        trees::predict(model, alone, window_s, hypotheses[h].of, &traces, &trees::Trace::extended);
         for (std::size_t j = 0; j < traces.size(); ++j) {
           std::size_t at = 0;
           for (std::size_t w = 0; w < windows.size(); ++w)

@@ -16,11 +16,9 @@ struct TreeHypothesis {
   trees::Hypothesis of;
 };
 
-/// The angle (position) of each joint over windows of `window_s`. `starts_from` leaves what the start states are estimated from, where a
-/// hypothesis has no elastic joint.
+/// The angle (position) of each joint over windows of `window_s`.
 /// @throws core::DataError what recording_of throws.
 Traces of_tree(const trees::TreeModel& model, const std::vector<TreeHypothesis>& hypotheses,
-               const trees::Hypothesis& starts_from, const std::vector<log::Log>& training,
-               const std::vector<log::Log>& held_out, double window_s);
+               const std::vector<log::Log>& training, const std::vector<log::Log>& held_out, double window_s);
 
 }  // namespace furcula::traces

@@ -10,6 +10,7 @@
 #include "host/core/error.hpp"
 #include "host/core/message.hpp"
 #include "host/core/quantile.hpp"
+#include "host/result/confidence.hpp"
 #include "host/trees/base_parameters.hpp"
 #include "host/trees/conventions.hpp"
 #include "host/trees/disagreement.hpp"
@@ -37,6 +38,8 @@ constexpr double kOfDrive = 0.1, kNearlyAll = 0.9;
 /// Held-out windows that are so many times as far off as those that were fitted show something else.
 constexpr double kOnlyThere = 4.0;
 constexpr std::size_t kMostSearchWindows = 160;
+/// Below this confidence it is said why.
+constexpr double kClear = 0.9;
 
 std::string percent(double share) {
   const double p = 100.0 * share;
@@ -73,6 +76,7 @@ class Diagnoser {
     for (const auto* logs : {&training, &held_out})
       for (const log::Log& log : *logs)
         for (const std::string& joint : foreign_joints(model, log)) foreign.insert(joint);
+    note_loop_rate();
     if (!foreign.empty())
       d_.notes.push_back("The logs have columns of joints that " + model.urdf.file + " does not have: " +
                          joined({foreign.begin(), foreign.end()}) + ". They are not used.");
@@ -141,6 +145,23 @@ class Diagnoser {
   }
 
  private:
+  /// What it is worth that nobody knows how often a position law is calculated.
+  void note_loop_rate() {
+    constexpr double kUsual_hz = 1000.0;
+    for (std::size_t j = 0; j < model_.joints(); ++j) {
+      const Drive& drive = model_.drives[j];
+      if (drive.law != ControlMode::position || drive.loop_rate_hz > 0.0) continue;
+      const double half_s = 0.5 / kUsual_hz;
+      const bool slides = model_.prismatic(j);
+      d_.notes.push_back(
+          "Position laws count as calculated continuously; loop_rate_hz in [drive] says how often they are. " +
+          std::string("A rate of 1 kHz acts like ") + core::rounded(drive.kp_nmprad * half_s, 3) +
+          (slides ? " N s/m" : " N m s/rad") + " less damping and " +
+          core::rounded(drive.kd_nmsprad * half_s, 3) + (slides ? " kg" : " kg m^2") +
+          " less rotor inertia at " + model_.robot.joints[j].name + ".");
+      return;
+    }
+  }
   void say(double fraction, std::string_view doing) const {
     if (options_.progress) options_.progress(fraction, doing);
   }
@@ -148,20 +169,19 @@ class Diagnoser {
   void errors() {
     const Hypothesis given{model_.drives, model_.causes};
     const auto of = [&](const Hypothesis& h, std::vector<double> Trace::*into) {
-      return predict(model_, held_out_, options_.window_s, h, d_.refitted, &d_.traces, into);
+      return predict(model_, held_out_, options_.window_s, h, &d_.traces, into);
     };
     const Predictions as_given = of(given, &Trace::as_given);
     d_.as_given_error = as_given.errors;
     d_.noise_floor = as_given.floor;
     d_.refitted_error = of(d_.refitted, &Trace::refitted).errors;
     d_.extended_error = of(d_.extended, &Trace::extended).errors;
-    training_error_ = predict(model_, training_, options_.window_s, d_.extended, d_.refitted).errors;
+    training_error_ = predict(model_, training_, options_.window_s, d_.extended).errors;
   }
 
   /// What the common laws alone are worth, beside all that is named.
   void beside_common(const Hypothesis& common) {
-    const std::vector<ChannelError> error =
-        predict(model_, held_out_, options_.window_s, common, d_.refitted).errors;
+    const std::vector<ChannelError> error = predict(model_, held_out_, options_.window_s, common).errors;
     std::vector<std::string> names, joints;
     for (std::size_t c = model_.causes.size(); c < common.causes.size(); ++c)
       names.push_back(cause_name(model_, common.causes[c]));
@@ -299,7 +319,7 @@ class Diagnoser {
       f.parameters = estimates(found.fit, c);
       f.explainable_removed = explainable > 0.0 ? found.gain[c - given] / explainable : 0.0;
       const Fit off = problem.fit(without(found.fit.at, c), 4, &found.fit);
-      f.without = predict(model_, held_out_, options_.window_s, off.at, d_.refitted).errors;
+      f.without = predict(model_, held_out_, options_.window_s, off.at).errors;
       double nearest = 6.0;
       for (const Rival& r : found.rivals[c - given]) {
         result::Rival text;
@@ -335,15 +355,19 @@ class Diagnoser {
         }
       }
       f.confidence = std::clamp(0.5 * (1.0 + std::erf(std::max(nearest, 0.0) / std::sqrt(2.0))), 0.5, 0.99);
-      if (undecided(f)) f.confidence = std::min(f.confidence, 0.5);
+      if (f.confidence < kClear)
+        f.lowered_by.push_back("another cause in its place fits the training recordings nearly as well");
+      if (undecided(f)) limit(f, 0.5, "another cause explains the training recordings as well");
       // A value that a fit wanted beyond what there can be stands for something else.
       for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k)
         if (found.fit.unknowns[k].of_cause && found.fit.unknowns[k].cause == c && found.fit.at_bound[k]) {
-          f.confidence = std::min(f.confidence, 0.3);
+          limit(f, 0.3, "one of its values is at a bound");
           at_bound_ = true;
         }
-      if (covers_none(found.fit, c)) f.confidence = std::min(f.confidence, 0.4);
-      if (total(f.without) < total(d_.extended_error)) f.confidence = std::min(f.confidence, 0.4);
+      if (covers_none(found.fit, c))
+        limit(f, 0.4, "the interval of its size holds the value at which there is nothing");
+      if (total(f.without) < total(d_.extended_error))
+        limit(f, 0.4, "the held-out recordings are predicted worse with it than without it");
       f.explanation = std::string(e.explanation);
       f.where_to_look = std::string(e.where_to_look);
       f.next_experiment = std::string(e.experiment);
@@ -432,21 +456,52 @@ class Diagnoser {
           "No drive acts in them: twice all inertias, with twice all that is named, would move alike. Sizes are for the inertias given.");
   }
 
-  /// The most that a name may be believed where held-out runs are off at its joints, noise apart: odds of even where that is a tenth of
-  /// their motion (RMS), as on machines of one joint (host/diagnose/posterior.hpp).
-  double most_beside(const Cause& cause) const {
-    constexpr double kEven = 0.1;
-    const LocationType location_type = info(cause.effect).location_type;
-    double left = 0.0;
+  static void limit(Finding& f, double most, std::string why) {
+    if (!(f.confidence > most)) return;
+    f.confidence = most;
+    f.lowered_by.push_back(std::move(why));
+  }
+
+  /// Joints whose torque a cause changes: its own, of a link all down to the base, of the base and of the log all.
+  std::vector<std::size_t> joints_of(const Cause& cause) const {
+    const LocationType type = info(cause.effect).location_type;
+    std::set<std::size_t> out;
     for (const std::size_t site : cause.sites) {
-      if (location_type != LocationType::link && !is_of_joints(location_type)) continue;
-      const int joint =
-          location_type == LocationType::link ? model_.robot.links[site].joint : static_cast<int>(site);
-      if (joint < 0) continue;
-      const auto j = static_cast<std::size_t>(joint);
-      left = std::max(left, d_.extended_error[j].nmse - d_.noise_floor[j]);
+      if (is_of_joints(type)) out.insert(site);
+      if (type != LocationType::link) continue;
+      for (int j = model_.robot.links[site].joint; j >= 0;
+           j = model_.robot.model.shape().parent(static_cast<std::size_t>(j)))
+        out.insert(static_cast<std::size_t>(j));
     }
-    return 1.0 / (1.0 + std::max(0.0, left) / (kEven * kEven));
+    for (std::size_t j = 0; out.empty() && j < model_.joints(); ++j) out.insert(j);
+    return {out.begin(), out.end()};
+  }
+
+  /// Squares of torque over a joint's own: what goes with all that is named, and what a flexible law predicts of the rest, or lasts in it.
+  struct Shares {
+    double named = 0.0, left = 0.0;
+  };
+  static Shares shares_of(const MissingTorque& m) {
+    const double unit = m.rms_torque_nm * m.rms_torque_nm;
+    const auto squares = [](double rms, double share) { return std::max(0.0, share) * rms * rms; };
+    const double before = squares(m.rms_before_nm, m.predictable_before),
+                 after = squares(m.rms_after_nm, m.predictable_after);
+    Shares out;
+    // Where one recording alone has it, nothing predicts it from the others: then by what is less.
+    out.named = std::max({0.0, before - after, squares(m.rms_before_nm, 1.0) - squares(m.rms_after_nm, 1.0)});
+    if (structured(m)) out.left = after;
+    if (lasts(m)) out.left = std::max(out.left, m.persistent_after_nm * m.persistent_after_nm);
+    return {out.named / unit, out.left / unit};
+  }
+  /// Of the predictable torque at the joints where a cause acts, what no name accounts for.
+  double unnamed_share(const Cause& cause) const {
+    Shares all;
+    for (const std::size_t j : joints_of(cause)) {
+      const Shares at = shares_of(d_.missing[j]);
+      all.named += at.named;
+      all.left += at.left;
+    }
+    return all.left > 0.0 ? all.left / (all.left + all.named) : 0.0;
   }
 
   void verdict(const Problem& problem) {
@@ -456,8 +511,9 @@ class Diagnoser {
     for (std::size_t j = 0; j < model_.joints(); ++j) {
       const MissingTorque& m = d_.missing[j];
       const double unit = m.rms_torque_nm * m.rms_torque_nm;
-      before += m.predictable_before * m.rms_before_nm * m.rms_before_nm / unit;
+      const Shares at = shares_of(m);
       after += m.predictable_after * m.rms_after_nm * m.rms_after_nm / unit;
+      before += std::max(at.named + at.left, m.predictable_before * m.rms_before_nm * m.rms_before_nm / unit);
       // Runs that are further off than the joint moves, and far beyond its encoder's noise: whatever the torques say, it is not adequate.
       const bool lost = d_.extended_error[j].nmse > 1.0 && !problem.scales().still[j] &&
                         d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
@@ -466,34 +522,31 @@ class Diagnoser {
       const bool only_there = d_.findings.empty() &&
                               d_.extended_error[j].rmse > kOnlyThere * training_error_[j].rmse &&
                               d_.extended_error[j].rmse > 50.0 * training_.front().angle_noise_rad[j];
-      if (structured(m) || lasts(m) || lost || only_there || (d_.findings.empty() && at_times(m)))
+      if (structured(m) || lasts(m) || lost || only_there || at_times(m))
         where.push_back(model_.robot.joints[j].name);
     }
     const bool disputed = disputed_ > kDisputed;
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
                            : where.empty() && !disputed         ? 0.0
                                                                 : 1.0;
-    const bool another = std::any_of(d_.missing.begin(), d_.missing.end(),
-                                     [](const MissingTorque& m) { return is_another(m) || lasts(m); });
+    const bool another = std::any_of(d_.missing.begin(), d_.missing.end(), [](const MissingTorque& m) {
+      return is_another(m) || lasts(m) || at_times(m);
+    });
     const bool left =
         disputed || ended_early_ ||
         (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
     for (Finding& f : d_.findings) {
-      if (left && !where.empty())
-        f.confidence = std::min(f.confidence, std::max(0.3, 1.0 - d_.unexplained_share));
-      f.confidence = std::min(f.confidence, most_beside(f.cause));
-      if (any_lost || ended_early_) f.confidence = std::min(f.confidence, 0.5);  // whatever the torques say
-      if (std::any_of(f.cause.sites.begin(), f.cause.sites.end(), [&](std::size_t site) {
-            const LocationType location_type = info(f.cause.effect).location_type;
-            if (location_type == LocationType::link) {  // it pulls at all joints down to the base
-              for (int j = model_.robot.links[site].joint; j >= 0;
-                   j = model_.robot.model.shape().parent(static_cast<std::size_t>(j)))
-                if (beside_another(static_cast<std::size_t>(j))) return true;
-              return false;
-            }
-            return is_of_joints(location_type) && beside_another(site);
-          }))
-        f.confidence = std::min(f.confidence, 0.5);
+      if (const double none = result::share_of_none(unnamed_share(f.cause)); none > 0.0) {
+        f.confidence *= 1.0 - none;
+        if (none > 1.0 - kClear) f.lowered_by.push_back("the names leave a part of what there is to explain");
+      }
+      if (any_lost) limit(f, 0.5, "held-out runs are off by more than a joint moves");
+      if (ended_early_) limit(f, 0.5, "the search was ended");
+      const std::vector<std::size_t> joints = joints_of(f.cause);
+      if (info(f.cause.effect).location_type != LocationType::base &&
+          info(f.cause.effect).location_type != LocationType::log &&
+          std::any_of(joints.begin(), joints.end(), [&](std::size_t j) { return beside_another(j); }))
+        limit(f, 0.5, "predictable torque is still missing at its joint");
     }
     const bool undecided_ones = std::any_of(d_.findings.begin(), d_.findings.end(), undecided);
     // What the model lacks, and what it has wrong.

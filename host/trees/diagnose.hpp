@@ -24,13 +24,13 @@ Diagnosis diagnose(const TreeModel& model, const std::vector<log::Log>& training
                    const std::vector<log::Log>& held_out, const Options& options = {});
 
 /// Errors of predictions over held-out windows, of each joint. A window starts from a state estimated from its first 50 ms alone,
-/// by the motion that `starts_from` leaves there; the same for every model that is compared.
+/// by the motion that the model itself leaves there: one from another model would be wrong by what that lacks.
 struct Predictions {
   std::vector<ChannelError> errors;
   std::vector<double> floor;  ///< nmse of the measuring noise
 };
 Predictions predict(const TreeModel& model, const std::vector<Recording>& recordings, double window_s,
-                    const Hypothesis& h, const Hypothesis& starts_from, std::vector<Trace>* traces = nullptr,
+                    const Hypothesis& h, std::vector<Trace>* traces = nullptr,
                     std::vector<double> Trace::*into = nullptr);
 
 }  // namespace furcula::trees

@@ -33,6 +33,7 @@ struct Finding {
       0.0;  ///< of the training windows' loss that could be explained, what this cause alone is worth
   std::vector<ChannelError> without;  ///< held out, of each joint, without it, all else fitted again
   double confidence = 0.0;
+  std::vector<std::string> lowered_by;  ///< what limits the confidence, in words
   std::vector<result::Rival> alternatives, indistinguishable_from;
   std::string explanation, where_to_look, next_experiment;
 };

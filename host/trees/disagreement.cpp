@@ -25,7 +25,7 @@ Left left_by(const TreeModel& model, const std::vector<Recording>& recordings, d
   Left left{std::vector<std::vector<double>>(model.joints()),
             std::vector<std::vector<double>>(model.joints())};
   for (const Recording& r : recordings) {
-    const Predictions p = predict(model, {r}, window_s, h, h);
+    const Predictions p = predict(model, {r}, window_s, h);
     for (std::size_t j = 0; j < model.joints(); ++j) {
       const double nmse = p.errors[j].nmse, floor = p.floor[j];
       left.nmse[j].push_back(std::isfinite(nmse) ? nmse : 0.0);

@@ -85,8 +85,8 @@ Identification identify(const TreeModel& model, const std::vector<log::Log>& tra
     out.parameters.push_back(std::move(row));
   }
   if (options.progress) options.progress(0.95, "predicting the held-out logs");
-  out.as_given_error = predict(model, judge_on, options.window_s, given, fit.at).errors;
-  out.identified_error = predict(model, judge_on, options.window_s, fit.at, fit.at).errors;
+  out.as_given_error = predict(model, judge_on, options.window_s, given).errors;
+  out.identified_error = predict(model, judge_on, options.window_s, fit.at).errors;
   out.model.drives = fit.at.drives;
   out.bodies = fit.at.bodies;
   return out;

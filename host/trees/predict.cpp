@@ -29,12 +29,6 @@ Line through(const std::vector<double>& t, const std::vector<double>& y, int ord
   return {c(0), c(1) / kStart_s, std::sqrt((b - a * c).squaredNorm() / freedom)};
 }
 
-/// A model without the spring would take its ringing for a velocity of the start.
-bool is_elastic(const Hypothesis& h) {
-  return std::any_of(h.causes.begin(), h.causes.end(),
-                     [](const Cause& c) { return c.effect == Effect::joint_elasticity; });
-}
-
 Start start_of(const Recording& r, const Window& w, const Setup& setup) {
   const std::size_t n = setup.joints.size();
   std::size_t end = w.first;
@@ -69,21 +63,17 @@ Start start_of(const Recording& r, const Window& w, const Setup& setup) {
 }  // namespace
 
 Predictions predict(const TreeModel& model, const std::vector<Recording>& recordings, double window_s,
-                    const Hypothesis& h, const Hypothesis& starts_from, std::vector<Trace>* traces,
-                    std::vector<double> Trace::*into) {
+                    const Hypothesis& h, std::vector<Trace>* traces, std::vector<double> Trace::*into) {
   const std::size_t n = model.joints();
   const SetupMaker maker(model);
-  const Setup setup = maker.make(h.drives, h.causes, h.bodies),
-              starter = is_elastic(h)
-                            ? setup
-                            : maker.make(starts_from.drives, starts_from.causes, starts_from.bodies);
+  const Setup setup = maker.make(h.drives, h.causes, h.bodies);
   const std::vector<Window> windows = windows_of(model, recordings, window_s);
   Predictions out{std::vector<ChannelError>(n), std::vector<double>(n)};
   std::vector<double> squares(n), absolute(n), about_mean(n), noise(n);
   double rows = 0.0;
   for (const Window& w : windows) {
     const Recording& r = recordings[w.recording];
-    const Start s = start_of(r, w, starter);
+    const Start s = start_of(r, w, setup);
     const std::size_t count = w.last - w.first + 1;
     std::vector<double> predicted(count * n);
     run(setup, r, w.first, w.last, s.angle_rad, s.velocity_radps, predicted);

@@ -22,6 +22,7 @@ result::Finding finding(const Finding& f, const Diagnosis& d) {
     out.gains.push_back({channel_name(d.model, j), std::string(channel_unit(d.model, j)), f.without[j].mae,
                          d.extended_error[j].mae, f.without[j].nmse, d.extended_error[j].nmse});
   out.confidence = f.confidence;
+  out.confidence_lowered_by = f.lowered_by;
   out.undecided = std::any_of(f.indistinguishable_from.begin(), f.indistinguishable_from.end(),
                               [](const result::Rival& r) { return !r.same_law; });
   out.alternatives = f.alternatives;

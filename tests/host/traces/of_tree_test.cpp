@@ -48,14 +48,14 @@ TEST_CASE(
   log::Log log = lifted(24.0);
   log::Log weaker = log;
   for (double& force : weaker.columns["force_rail_n"]) force = 20.0;
-  const traces::Traces right = traces::of_tree(model, {{"given", given}}, given, {log}, {}, 0.25);
+  const traces::Traces right = traces::of_tree(model, {{"given", given}}, {log}, {}, 0.25);
   REQUIRE(right.logs.size() == 1);
   REQUIRE(right.logs[0].quantities.size() == 1);
   CHECK(right.logs[0].quantities[0].column == "position_rail_m");
   CHECK(right.logs[0].quantities[0].unit == "m");
   CHECK(traces::error_of(right.logs[0], right.logs[0].quantities[0], 0).rmse < 1e-4);
   // 4 N on 2 kg are missing: 2 m/s^2. The start is estimated beside that, from 50 ms.
-  const traces::Traces wrong = traces::of_tree(model, {{"given", given}}, given, {weaker}, {}, 0.25);
+  const traces::Traces wrong = traces::of_tree(model, {{"given", given}}, {weaker}, {}, 0.25);
   const traces::LogTraces& l = wrong.logs[0];
   std::size_t row = 0;
   while (l.window[row + 1] == 1) ++row;
