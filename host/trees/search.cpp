@@ -276,8 +276,10 @@ class Search {
                       left = remainder_of(after[j], problem_.recordings().size());
       if (left.is_another(torque_nm) || left.lasts(torque_nm)) return true;
       structured |= left.is_structured(torque_nm);
-      of_before += std::pow(was.predictable_nm() / torque_nm, 2);
+      // What one recording alone has nothing predicts from the others: then by what is gone.
+      const double gone = (std::pow(was.rms_nm, 2) - std::pow(left.rms_nm, 2)) / std::pow(torque_nm, 2);
       of_after += std::pow(left.predictable_nm() / torque_nm, 2);
+      of_before += std::max(std::pow(was.predictable_nm() / torque_nm, 2), gone);
     }
     return structured && of_after > kOfBefore * of_before;
   }

@@ -83,6 +83,49 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
   }
 }
 
+TEST_CASE("A cause that one recording alone shows is found") {
+  const char* const drives = "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 60.0\nkd_nmsprad = 2.0\n";
+  trees::TreeModel truth = test::arm3(drives);
+  const std::size_t elbow = test::joint(truth, "elbow");
+  truth.causes = {{Effect::actuator_lag, {elbow}, {0.008, 0, 0, 0}}};
+  Logs logs;
+  for (unsigned i = 0; i < 5; ++i) {
+    trees::Scenario s = trees::default_scenario(truth);
+    s.duration_s = 5.0;
+    for (trees::Path& path : s.paths) path.phase_rad += 1.1 * i;
+    if (i == 1 || i == 4)
+      for (trees::Path& path : s.paths) path.profile = trees::Path::Profile::steps;
+    (i < 4 ? logs.training : logs.held_out).push_back(trees::simulate(truth, s, 70 + i));
+  }
+  const trees::Diagnosis d = trees::diagnose(test::arm3(drives), logs.training, logs.held_out);
+  INFO(d.summary);
+  REQUIRE(d.findings.size() == 1);
+  CHECK(d.findings[0].cause.effect == Effect::actuator_lag);
+  CHECK(d.findings[0].at == std::vector<std::string>{"elbow"});
+  CHECK(d.findings[0].parameters[0].value == Approx(0.008).epsilon(0.1));
+  CHECK(d.verdict != Verdict::unexplained);
+}
+
+TEST_CASE("What is not known of a position law's rate is noted, and a confidence says what lowers it") {
+  trees::TreeModel truth =
+      test::arm3("[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 40.0\nkd_nmsprad = 2.0\n");
+  truth.causes = {{Effect::actuator_delay, {test::joint(truth, "elbow")}, {0.004, 0, 0, 0}}};
+  const Logs logs = logs_of(truth, 90);
+  trees::TreeModel model = truth;
+  model.causes.clear();
+  const trees::Diagnosis d = trees::diagnose(model, logs.training, logs.held_out);
+  const auto noted = [](const trees::Diagnosis& all) {
+    return std::count_if(all.notes.begin(), all.notes.end(), [](const std::string& note) {
+      return note.find("loop_rate_hz") != std::string::npos;
+    });
+  };
+  REQUIRE(noted(d) == 1);
+  CHECK_THAT(d.notes.front(), Contains("0.02 N m s/rad less damping and 0.001 kg m^2"));
+  for (const trees::Finding& f : d.findings) CHECK((f.confidence >= 0.9 || !f.lowered_by.empty()));
+  for (trees::Drive& drive : model.drives) drive.loop_rate_hz = 1e5;
+  CHECK(noted(trees::diagnose(model, logs.training, logs.held_out)) == 0);
+}
+
 TEST_CASE("Dry friction of a joint that nothing drives is found, that no inertia shows is said") {
   const trees::TreeModel given = test::pendulum();
   // The same rod by its equation of motion, let go from some angle: m g l and the inertia about the hinge.
