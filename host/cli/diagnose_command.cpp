@@ -24,6 +24,25 @@
 #include "host/trees/result.hpp"
 
 namespace furcula::cli {
+namespace {
+
+/// A line each, with what limits its confidence, and what it cannot be told from.
+void print_findings(const result::Diagnosis& d) {
+  for (const result::Finding& f : d.findings) {
+    std::cout << "  " << core::printable(result::label(f.cause));
+    for (const result::Estimate& e : f.cause.parameters)
+      std::cout << "  " << e.name << " = " << core::rounded(e.value) << " " << e.unit << " (95 % "
+                << core::rounded(e.lower) << " to " << core::rounded(e.upper) << ")";
+    std::cout << "  confidence " << core::rounded(f.confidence, 2);
+    if (!f.confidence_lowered_by.empty())
+      std::cout << ": " << core::printable(f.confidence_lowered_by.front());
+    std::cout << "\n";
+    for (const result::Rival& r : f.indistinguishable_from)
+      std::cout << "    cannot be distinguished from " << core::printable(result::label(r.causes)) << "\n";
+  }
+}
+
+}  // namespace
 
 diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   const Recordings r = read_recordings(o);
@@ -57,7 +76,9 @@ diagnose::Diagnosis run_diagnose(const RecordingOptions& o) {
   core::write_files_together(files, obsolete);
   std::cout << "fitted on " << r.training.size() << ", held out " << r.held_out.size() << " recordings\n"
             << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
+  print_findings(found);
   print_data_quality(d.data_quality);
+  for (const std::string& note : d.notes) std::cout << core::printable(note) << "\n";
   for (const identify::Excluded& l : d.excluded) std::cout << core::printable(identify::sentence(l)) << "\n";
   std::cout << (d.experiments.empty() ? "" : "next: " + core::printable_lines(d.next_experiment) + "\n")
             << "report: " << core::printable(o.out) << "/report.html\n";
@@ -113,15 +134,7 @@ void run_on_tree(const RecordingOptions& o) {
   std::cout << "fitted on " << logs.training.size() << ", held out " << logs.held_out.size()
             << " recordings\n"
             << name(d.verdict) << ": " << core::printable_lines(d.summary) << "\n";
-  for (const trees::Finding& f : d.findings) {
-    std::cout << "  " << core::printable(trees::cause_name(model, f.cause));
-    for (const trees::Estimate& e : f.parameters)
-      std::cout << "  " << e.name << " = " << core::rounded(e.value) << " " << e.unit << " (95 % "
-                << core::rounded(e.lower) << " to " << core::rounded(e.upper) << ")";
-    std::cout << "  confidence " << core::rounded(f.confidence, 2) << "\n";
-    for (const result::Rival& r : f.indistinguishable_from)
-      std::cout << "    cannot be distinguished from " << core::printable(result::label(r.causes)) << "\n";
-  }
+  print_findings(found);
   std::cout << "held-out error, RMS, as given and extended:";
   for (std::size_t j = 0; j < model.joints(); ++j)
     std::cout << (j == 0 ? " " : ", ") << core::printable(model.robot.joints[j].name) << " "

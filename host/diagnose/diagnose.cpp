@@ -148,6 +148,8 @@ class Assembly {
     verdict();
     confidences();
     plan();
+    note_one_scale();
+    note_held_out_that_tells();
     pictures();
     d_.next_experiment = next_experiment(d_);
     d_.rules_that_acted = selection_.acted;
@@ -880,6 +882,57 @@ class Assembly {
     const std::string text = experiment_that_tells(d_, sets);
     for (Finding& f : d_.findings)
       if (f.undecided) f.next_experiment = text;
+  }
+
+  /// Mass and damping of an axis that are wrong by one factor are a wrong scale of its force, or of its position.
+  void note_one_scale() {
+    if (model_.kind != dynamics::Kind::motor_axis) return;
+    const auto ratio = [&](Effect e, const char* key) -> std::optional<Estimate> {
+      const auto found = std::find_if(d_.findings.begin(), d_.findings.end(),
+                                      [&](const Finding& f) { return f.effect == e; });
+      const double given = model_.parameter(key);
+      if (found == d_.findings.end() || !(given > 0.0)) return std::nullopt;
+      const Estimate& of = found->parameters.begin()->second;
+      return Estimate{of.value / given, of.lower / given, of.upper / given};
+    };
+    const auto mass = ratio(Effect::mass_error, "mass_kg"),
+               damping = ratio(Effect::damping_error, "damping_nspm");
+    if (!mass || !damping || mass->lower > damping->upper || damping->lower > mass->upper) return;
+    d_.notes.push_back(
+        "Mass and damping are both " + number(mass->value) + " times the model's: a force of " +
+        number(1.0 / mass->value, 3) + " times what the logs say, or a position of " +
+        number(mass->value, 3) +
+        " times what they say, is the same law. Check the force's constant and the encoder's scale.");
+  }
+
+  /// Of causes that the training recordings cannot tell apart: a held-out recording that does. It names nothing here.
+  void note_held_out_that_tells() {
+    constexpr double kTells = 2.0;  // times the error
+    if (!undecided_) return;
+    const auto errors = [&](const model::Model& m) {
+      const std::vector<identify::ErrorSums> sums =
+          identify::position_sums(m, held_out_, held_out_windows_, starts_);
+      std::vector<identify::ErrorSums> of(held_out_.size());
+      for (std::size_t i = 0; i < sums.size(); ++i) of[held_out_windows_[i].recording] += sums[i];
+      std::vector<double> rmse;
+      for (const identify::ErrorSums& s : of) rmse.push_back(s.count > 0.0 ? s.errors().rmse : 0.0);
+      return rmse;
+    };
+    const std::vector<double> own = errors(selection_.chosen.fitted);
+    for (const auto& rival : selection_.equals) {
+      if (always_same(model_, rival.hypothesis.effects, selection_.chosen.effects)) continue;
+      const std::vector<double> its = errors(rival.hypothesis.fitted);
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        const double least = std::min(own[i], its[i]);
+        if (!(least > 0.0) || std::max(own[i], its[i]) < kTells * least) continue;
+        d_.notes.push_back(held_out_[i].name + ", which is held out, tells them apart: its error (RMSE) is " +
+                           readable(own[i], d_.main_unit) + " with " + names(selection_.chosen.effects) +
+                           " and " + readable(its[i], d_.main_unit) + " with " +
+                           names(rival.hypothesis.effects) +
+                           ". Diagnose with it among the recordings that are fitted, and hold out others.");
+        return;
+      }
+    }
   }
 
   bool other_channels_alone() const {

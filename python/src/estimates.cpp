@@ -143,7 +143,7 @@ Found diagnose_tree(const Model& model, const Recordings& r, const Settings& set
       {},
       traces::of_tree(
           tree, {{"given", {tree.drives, tree.causes}}, {"refitted", d.refitted}, {"extended", d.extended}},
-          d.refitted, r.training, r.held_out, options.window_s)};
+          r.training, r.held_out, options.window_s)};
 }
 
 Found diagnose_machine(const Model& model, const Recordings& r, const Settings& settings, Teller& tell) {
@@ -174,8 +174,8 @@ Found identify_tree(const Model& model, const Recordings& r, const Settings& set
           tree_again(model, found.model, urdf),
           {},
           found.covariance,
-          traces::of_tree(tree, {{"given", {tree.drives, tree.causes}}, {"refitted", refitted}}, refitted,
-                          r.training, r.held_out, options.window_s)};
+          traces::of_tree(tree, {{"given", {tree.drives, tree.causes}}, {"refitted", refitted}}, r.training,
+                          r.held_out, options.window_s)};
 }
 
 Found identify_machine(const Model& model, const Recordings& r, const Settings& settings,

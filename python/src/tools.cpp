@@ -127,8 +127,7 @@ py::dict replay(const Model& model, const std::shared_ptr<PyLog>& of, double win
     if (model.tree) {
       const trees::TreeModel tree = tree_for(model, names_of(of->log));
       const trees::Hypothesis given{tree.drives, tree.causes};
-      all = traces::of_tree(tree, {{"predicted", given}}, given, {of->log}, {},
-                            window_s > 0.0 ? window_s : 0.3);
+      all = traces::of_tree(tree, {{"predicted", given}}, {of->log}, {}, window_s > 0.0 ? window_s : 0.3);
     } else {
       all = traces::of_axis({{"predicted", *model.machine}}, *model.machine, {of->log}, {},
                             window_s > 0.0 ? window_s : 0.5);
