@@ -551,14 +551,19 @@ EvidenceFor evidence_under_disturbances(const model::Model& likely, const std::v
     }
   if (all.size() < kFewestWindows) return {};
   const Sizes sizes = likeliest(all, typical_force(likely, all).first);
-  return [&recordings, all = std::move(all), of = std::move(of), sizes](const model::Model& other) {
-    double evidence = 0.0;
+  return [&recordings, all = std::move(all), of = std::move(of),
+          sizes](const model::Model& other) -> std::optional<double> {
+    constexpr double kHardly = 0.01;  // of the rows
+    double evidence = 0.0, one_alone = 0.0, rows_of_both = 0.0;
     for (std::size_t i = 0; i < of.size(); ++i) {
       const std::optional<Linear> its = linearised(other, recordings[of[i].recording], of[i]);
-      if (!its) continue;
-      const std::size_t rows = std::min(all[i].left.size(), its->left.size());
-      evidence += surprise(all[i], sizes, rows) - surprise(*its, sizes, rows);
+      const std::size_t own_rows = all[i].left.size(), its_rows = its ? its->left.size() : 0,
+                        rows = std::min(own_rows, its_rows);
+      one_alone += static_cast<double>(std::max(own_rows, its_rows) - rows);
+      rows_of_both += static_cast<double>(rows);
+      if (rows > 0) evidence += surprise(all[i], sizes, rows) - surprise(*its, sizes, rows);
     }
+    if (one_alone > kHardly * rows_of_both) return std::nullopt;
     return evidence;
   };
 }

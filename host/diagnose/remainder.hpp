@@ -63,9 +63,10 @@ struct Remainder {
 };
 
 /// Of a machine that a random force and random impacts disturb: twice the logarithm of how much likelier its positions are with another model
-/// than with `likely`, on rows that both reach. The sizes of the disturbances are those under which the recordings are likeliest with `likely`. Empty
-/// where remainder_of() has nothing. The recordings must outlive it.
-using EvidenceFor = std::function<double(const model::Model& other)>;
+/// than with `likely`, on rows that both reach. Nothing where one of them is stuck on rows on which the other is not, which a linearised run does not
+/// weigh. The sizes of the disturbances are those under which the recordings are likeliest with `likely`. Empty where remainder_of() has nothing. The
+/// recordings must outlive it.
+using EvidenceFor = std::function<std::optional<double>(const model::Model& other)>;
 EvidenceFor evidence_under_disturbances(const model::Model& likely,
                                         const std::vector<identify::Recording>& recordings,
                                         const std::vector<identify::Window>& windows);

@@ -90,7 +90,7 @@ class Search {
     const double prior = trainer_.prior(s_.chosen.effects);
     core::parallel_for(others.size(), trainer_.threads, [&](std::size_t i) {
       const Hypothesis& h = *others[i];
-      s_.pool[i + 1] = {h.effects, evidence_for(h), trainer_.prior(h.effects) - prior};
+      s_.pool[i + 1] = {h.effects, evidence_for(h, of_motion(h)), trainer_.prior(h.effects) - prior};
     });
     return std::move(s_);
   }
@@ -759,15 +759,19 @@ class Search {
 
   /// Twice the logarithm of the likelihood ratio of a set over the chosen one: of the motion under random forces, of other channels by the
   /// residuals that count as independent, where these scatter no more than those would.
-  double evidence_for(const Hypothesis& h) const {
-    if (!disturbed_) return trainer_.evidence_over(s_.chosen, h) / misfit_;
-    return disturbed_(h.fitted) +
+  double evidence_for(const Hypothesis& h, const std::optional<double>& of_motion) const {
+    if (!of_motion) return trainer_.evidence_over(s_.chosen, h) / misfit_;
+    return *of_motion +
            evidence_of(s_.chosen.fit, h.fit, s_.chosen.fit, trainer_.training.layers, false) / misfit_;
   }
-  /// Twice the logarithm of the odds for a set against the chosen one, as the confidence of a name has them (posterior.hpp).
-  double odds_for(const Hypothesis& h) const {
-    return evidence_for(h) + trainer_.prior(h.effects) - trainer_.prior(s_.chosen.effects);
+  std::optional<double> of_motion(const Hypothesis& h) const {
+    return disturbed_ ? disturbed_(h.fitted) : std::nullopt;
   }
+  /// Twice the logarithm of the odds for a set against the chosen one, as the confidence of a name has them (posterior.hpp).
+  double odds_for(const Hypothesis& h, const std::optional<double>& of_motion) const {
+    return evidence_for(h, of_motion) + trainer_.prior(h.effects) - trainer_.prior(s_.chosen.effects);
+  }
+  double odds_for(const Hypothesis& h) const { return odds_for(h, of_motion(h)); }
   /// What is known of the recordings once a set is chosen.
   void weigh_by_chosen() {
     misfit_ = overdispersion(s_.chosen.fit, units_of(trainer_.training.windows));
@@ -782,8 +786,9 @@ class Search {
     disturbed_ = evidence_under_disturbances(s_.chosen.fitted, trainer_.recordings, apart);
   }
   bool as_good(const Hypothesis& h) const {
-    if (the_same(h, s_.chosen) || odds_for(h) > -kEqualEvidence) return true;
-    return !disturbed_ && trainer_.preference(h, s_.chosen) < kEqualEvidence;
+    const std::optional<double> motion = of_motion(h);
+    return the_same(h, s_.chosen) || odds_for(h, motion) > -kEqualEvidence ||
+           (!motion && trainer_.preference(h, s_.chosen) < kEqualEvidence);
   }
 
   /// Sets with as many parameters that explain as much as the chosen one, with another effect (or two) in the
