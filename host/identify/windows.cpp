@@ -150,11 +150,13 @@ std::vector<Window> flights(const Recording& r, std::size_t index, const model::
 namespace {
 
 /// The least time in which a flight shows: what falls with a quarter of gravity at least, dry friction taking the rest, stays within so many
-/// deviations of its encoder's noise no longer than about its apex.
+/// deviations of its encoder's noise no longer than about its apex. Of an encoder without noise, two rows about the apex are no rest.
 constexpr double kNoises = 8.0;
 double apex_s(const Recording& r, double gravity_mps2) {
   constexpr double kOfGravity = 0.25;
-  return 2.0 * std::sqrt(2.0 * kNoises * r.position_noise / (kOfGravity * std::max(gravity_mps2, 1e-3)));
+  const double fall_s =
+      std::sqrt(2.0 * kNoises * r.position_noise / (kOfGravity * std::max(gravity_mps2, 1e-3)));
+  return std::max(kShortestPhase_s, 2.0 * fall_s);
 }
 
 /// Marks rows of a carriage at rest: held by a hand, hung up, on its stop.

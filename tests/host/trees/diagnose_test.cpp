@@ -83,7 +83,7 @@ TEST_CASE("A cause at one joint of an arm is found there, within its interval") 
   }
 }
 
-TEST_CASE("A cause that one recording alone shows is found") {
+TEST_CASE("A lag that one recording of four shows best, by its steps, is found") {
   const char* const drives = "[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 60.0\nkd_nmsprad = 2.0\n";
   trees::TreeModel truth = test::arm3(drives);
   const std::size_t elbow = test::joint(truth, "elbow");
