@@ -190,3 +190,39 @@ TEST_CASE(
   CHECK(d.findings[0].events[0].step ==
         Approx(5e-3).margin(6e-4));  // of six rows to either side, 0.09 mm of noise
 }
+
+TEST_CASE(
+    "Of falls that leave causes open, a throw that is held out is said to tell them apart, and another fall is not") {
+  const Flight truth{.friction = 1.6};
+  const auto noted = [&](bool thrown) {
+    const auto d =
+        diagnose::diagnose(test::carriage_model(), disturbed_flights(truth, false, 1, 8),
+                           {disturbed_flight(truth, false, 60), disturbed_flight(truth, thrown, 61)});
+    INFO(text(d));
+    CHECK(d.verdict == Verdict::not_identifiable);
+    return d.notes;
+  };
+  const std::vector<std::string> with_throw = noted(true);
+  REQUIRE(with_throw.size() == 1);
+  CHECK_THAT(with_throw[0], Catch::StartsWith("flight-61.csv, which is held out, tells them apart"));
+  CHECK(noted(false).empty());
+}
+
+TEST_CASE(
+    "Mass and damping of an axis that are wrong by one factor are noted as one scale, by two factors not") {
+  const auto notes = [](double mass, double damping) {
+    std::vector<log::Log> training;
+    for (unsigned seed = 1; seed <= 4; ++seed) training.push_back(test::axis_log(mass, damping, 1e-5, seed));
+    model::Model held = test::axis_model(12.0, 30.0);
+    held.free.clear();
+    const auto d = diagnose::diagnose(held, training, {test::axis_log(mass, damping, 1e-5, 9)});
+    INFO(text(d));
+    CHECK(d.findings.size() == 2);
+    return d.notes;
+  };
+  const std::vector<std::string> one = notes(1.25 * 12.0, 1.25 * 30.0);
+  REQUIRE(one.size() == 1);
+  CHECK_THAT(one[0],
+             Catch::StartsWith("Mass and damping are both 1.25 times the model's: a force of 0.8 times"));
+  CHECK(notes(1.25 * 12.0, 0.8 * 30.0).empty());
+}
