@@ -606,6 +606,7 @@ std::string table_of(const std::string& heading, const Drive& drive) {
   for (std::size_t k = 0; k < kDriveParameters.size(); ++k)
     if (k >= 2 || drive.law == ControlMode::position)
       out += std::string(kDriveParameters[k]) + " = " + core::toml_float(drive.*kDriveMembers[k]) + "\n";
+  if (drive.loop_rate_hz > 0.0) out += "loop_rate_hz = " + core::toml_float(drive.loop_rate_hz) + "\n";
   return out;
 }
 

@@ -127,6 +127,14 @@ TEST_CASE("A tree's model file is written so that it reads back the same") {
   CHECK(back.drives[test::joint(m, "left_elbow")].law == ControlMode::position);
 }
 
+TEST_CASE("How often a drive calculates its law is written with its model") {
+  const trees::TreeModel m =
+      test::pendulum("[drive]\ncontrol_mode = \"position\"\nkp_nmprad = 20.0\nloop_rate_hz = 500.0\n");
+  CHECK(
+      trees::parse_tree_model(trees::format_tree_model(m, "pendulum.urdf"), m.file).drives[0].loop_rate_hz ==
+      500.0);
+}
+
 TEST_CASE("A cause at several sites is written as one a site") {
   trees::TreeModel m = test::double_pendulum();
   m.causes = {{Effect::coulomb_friction, {0, 1}, {0.25, 0, 0, 0}}};
