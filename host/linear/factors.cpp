@@ -26,6 +26,10 @@ Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& a, bool* positive) {
   if (positive != nullptr) *positive = factors.info() == Eigen::Success;
   return factors.solve(Eigen::MatrixXd::Identity(a.rows(), a.cols()));
 }
+Eigen::MatrixXd root_of_positive(const Eigen::MatrixXd& a) { return a.llt().matrixL(); }
+Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& root, const Eigen::MatrixXd& b) {
+  return root.triangularView<Eigen::Lower>().solve(b);
+}
 double log_determinant_of_positive(const Eigen::MatrixXd& a) {
   return 2.0 * Eigen::MatrixXd(a.llt().matrixL()).diagonal().array().log().sum();
 }

@@ -174,7 +174,7 @@ Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
 }
 
 Eigen::VectorXd Problem::residual(const Setup& setup, std::size_t window) const {
-  Eigen::VectorXd out = weight_.cwiseProduct(windows_[window].measured - simulated(setup, windows_[window]));
+  Eigen::VectorXd out = weighted(window, windows_[window].measured - simulated(setup, windows_[window]));
   if (starts_[window].of_more.size() > 0) out += starts_[window].of_more;
   return out;
 }
@@ -297,13 +297,13 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
     const Linearised run(base, recordings_[w.recording], w, torque_nm);
     work_->steps += run.steps();
     const Eigen::MatrixXd change = run.changes(linear);
+    const Eigen::MatrixXd columns = weighted(i, change);
     for (std::size_t k = 0; k < linear.size(); ++k)
-      c.col(static_cast<Eigen::Index>(linear_column[k])) =
-          weight_.cwiseProduct(change.col(static_cast<Eigen::Index>(k)));
+      c.col(static_cast<Eigen::Index>(linear_column[k])) = columns.col(static_cast<Eigen::Index>(k));
     if (of_rotors == nullptr || springs.empty()) return;
     std::vector<const Setup*> elastic;
     for (const auto& [k, joint] : springs) elastic.push_back(&setups[k]);
-    const Eigen::MatrixXd starts = weight_.asDiagonal() * run.rotor_starts(elastic);
+    const Eigen::MatrixXd starts = weighted(i, run.rotor_starts(elastic));
     for (std::size_t s = 0; s < springs.size(); ++s) {
       const auto [k, joint] = springs[s];
       const auto column = static_cast<Eigen::Index>(k);
@@ -567,8 +567,7 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
   out.by_curvature = Eigen::MatrixXd::Zero(count, count);
   out.by_curvature.diagonal().setConstant(std::numeric_limits<double>::infinity());
   if (!told.empty()) {
-    const double each = std::max(
-        1.0, out.loss / static_cast<double>(windows_.size() * static_cast<std::size_t>(weight_.size())));
+    const double each = std::max(1.0, out.loss / static_cast<double>(windows_.size() * bins_ * joints()));
     const Eigen::MatrixXd inverse = each * ScaledNormal(p.all(told, told), 1e-12).inverse();
     for (std::size_t a = 0; a < told.size(); ++a)
       for (std::size_t b = 0; b < told.size(); ++b)

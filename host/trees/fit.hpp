@@ -100,6 +100,9 @@ class Problem {
   /// right is then about the number of residuals. Fits are comparable between two calls.
   /// `starts`: a hypothesis whose windows' starts are eliminated in place of those of `h`: with a spring that may be, its rotor's too.
   void weigh(const Hypothesis& h, const Hypothesis* starts = nullptr);
+  /// From weigh() on: residuals are weighed by the likelihood of `h` under a random torque at each joint and noise, which are estimated from
+  /// what `h` leaves (disturbance.hpp). A unit of the loss is then twice one of the logarithm of likelihood.
+  void whiten(const Hypothesis& h);
   /// Least squares by the unknowns of `from`. `beside`: a fit that has most of them, whose derivatives serve as long as they lead down.
   Fit fit(Hypothesis from, int iterations, const Fit* beside = nullptr) const;
   /// Squares of what the windows' runs are off over those of the motion about its mean, of the joint where they are most.
@@ -124,6 +127,10 @@ class Problem {
   Eigen::VectorXd best_start(std::size_t window, const Eigen::VectorXd& left) const;
   /// What each bin's residual is worth: from what is left once the starts are fitted.
   void weigh_bins(const std::vector<Eigen::VectorXd>& left);
+  /// Residuals or columns of a window over their standard deviations; after whiten() they are independent, too.
+  Eigen::MatrixXd weighted(std::size_t window, const Eigen::MatrixXd& x) const;
+  /// Takes the starts off all products, and weighs the windows. `left`: not weighted.
+  void eliminate_starts(const std::vector<Eigen::VectorXd>& left);
   /// Moves the window's start to the best one, unless the linear problem is right about it. @return whether it did.
   bool move_start(const Setup& setup, std::size_t window, const Eigen::VectorXd& left);
   Eigen::VectorXd residual(const Setup& setup, std::size_t window) const;
@@ -156,6 +163,7 @@ class Problem {
   Scales scales_;
   std::size_t bins_, folds_;
   Eigen::VectorXd weight_;             ///< of each bin and joint: one over a standard deviation
+  std::vector<Eigen::MatrixXd> root_;  ///< of each window's covariance, lower triangular; empty: by weight_
   std::vector<double> window_weight_;  ///< less than 1 of a window that nothing explains
   std::vector<Start> starts_;
   unsigned weighing_ = 0;  ///< how often it was weighed

@@ -331,6 +331,22 @@ Eigen::MatrixXd Linearised::changes(std::span<const Setup* const> of_all) const 
       [](double change) { return std::isfinite(change) ? std::clamp(change, -1e6, 1e6) : 0.0; });
 }
 
+Eigen::MatrixXd Linearised::of_torques(std::size_t slices) const {
+  const auto joints = static_cast<Index>(setup_.joints.size()), parts = static_cast<Index>(slices);
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(intervals_.front().carried.rows(), joints * parts);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(window_.measured.size(), joints * parts);
+  for (std::size_t g = 0; g < intervals_.size(); ++g) {
+    x = (intervals_[g].carried * x).eval();
+    const auto part = static_cast<Index>(g * slices / intervals_.size());
+    for (Index j = 0; j < joints; ++j) x.col(j * parts + part) += intervals_[g].driven.col(j);
+    for (std::size_t b = 0; b < share_.size(); ++b)
+      if (share_[b][g + 1] != 0.0)
+        out.middleRows(static_cast<Index>(b) * joints, joints) += share_[b][g + 1] * x.topRows(joints);
+  }
+  return out.unaryExpr(
+      [](double change) { return std::isfinite(change) ? std::clamp(change, -1e6, 1e6) : 0.0; });
+}
+
 Eigen::MatrixXd Linearised::rotor_starts(std::span<const Setup* const> setups) const {
   const std::size_t n = setup_.joints.size();
   const auto joints = static_cast<Index>(n), columns = static_cast<Index>(2 * setups.size());

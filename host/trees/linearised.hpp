@@ -25,6 +25,10 @@ class Linearised {
   /// in Window::measured), a column each.
   Eigen::MatrixXd changes(std::span<const Setup* const> setups) const;
 
+  /// What the measured angles change with a torque of 1 N m at each joint in each of `slices` equal parts of the window: columns joint by joint, in
+  /// each by time; rows as in Window::measured.
+  Eigen::MatrixXd of_torques(std::size_t slices) const;
+
   /// What the measured angles change with the start of the rotor behind the spring that each setup has and the run has not: two columns
   /// each, by its angle and by its rate; zero where there is no such spring.
   Eigen::MatrixXd rotor_starts(std::span<const Setup* const> setups) const;

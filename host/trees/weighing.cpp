@@ -5,7 +5,9 @@
 
 #include "host/core/parallel.hpp"
 #include "host/linear/linear.hpp"
+#include "host/trees/disturbance.hpp"
 #include "host/trees/fit.hpp"
+#include "host/trees/linearised.hpp"
 
 namespace furcula::trees {
 namespace {
@@ -13,6 +15,13 @@ namespace {
 /// Where the residuals are off a linear function of the start by this share of what is left of them, it moves; at most so often.
 constexpr double kBent = 0.01;
 constexpr int kMoves = 3;
+/// Disturbances are estimated on so many windows; at first a random torque is so much of what acts at its joint.
+constexpr std::size_t kMostWindows = 40;
+constexpr double kFirst = 0.05;
+/// A torque of so much of that changes nothing else.
+constexpr double kSmall = 1e-3;
+/// Of an encoder's noise, what stays when its readings are averaged.
+constexpr double kOfNoise = 0.25;
 
 }  // namespace
 
@@ -62,11 +71,16 @@ Problem::Start Problem::start_of(const Setup& setup, Window w, const Eigen::Vect
   return s;
 }
 
+Eigen::MatrixXd Problem::weighted(std::size_t window, const Eigen::MatrixXd& x) const {
+  if (root_.empty()) return weight_.asDiagonal() * x;
+  return linear::solve_lower(root_[window], x);
+}
+
 Eigen::VectorXd Problem::best_start(std::size_t window, const Eigen::VectorXd& left) const {
-  const Eigen::MatrixXd s = weight_.asDiagonal() * starts_[window].columns;
+  const Eigen::MatrixXd s = weighted(window, starts_[window].columns);
   Eigen::MatrixXd normal = s.transpose() * s;
   normal.diagonal() += starts_[window].precision;
-  return linear::solve_positive(normal, s.transpose() * weight_.cwiseProduct(left));
+  return linear::solve_positive(normal, s.transpose() * weighted(window, left));
 }
 
 void Problem::weigh_bins(const std::vector<Eigen::VectorXd>& left) {
@@ -105,7 +119,7 @@ bool Problem::move_start(const Setup& setup, std::size_t window, const Eigen::Ve
   }
   const Eigen::VectorXd straight = left - starts_[window].columns.leftCols(both) * there.start_more,
                         is = there.measured - simulated(setup, there);
-  if (!(weight_.cwiseProduct(straight - is).squaredNorm() > kBent * static_cast<double>(left.size())))
+  if (!(weighted(window, straight - is).squaredNorm() > kBent * static_cast<double>(left.size())))
     return false;
   w = std::move(there);
   return true;
@@ -113,6 +127,7 @@ bool Problem::move_start(const Setup& setup, std::size_t window, const Eigen::Ve
 
 void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
   ++weighing_;
+  root_.clear();
   const Setup weighed = make(h), setup = make(of_starts != nullptr ? *of_starts : h);
   weight_ = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(bins_ * joints()));
   std::vector<Eigen::VectorXd> left(windows_.size());  // not weighted, as from the starts' measured places
@@ -137,9 +152,55 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
     if (!moved) break;
     weigh_bins(left);
   }
+  eliminate_starts(left);
+}
+
+void Problem::whiten(const Hypothesis& h) {
+  ++weighing_;
+  const Setup setup = make(h);
+  const auto n = static_cast<Eigen::Index>(joints());
+  const double part_s = windows_.front().span_s / static_cast<double>(bins_);
+  std::vector<double> small = scales_.torque_nm;
+  for (double& torque_nm : small) torque_nm *= kSmall;
+  std::vector<Eigen::VectorXd> left(windows_.size());
+  std::vector<DisturbedWindow> all(windows_.size());
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+    const Window& w = windows_[i];
+    Start& s = starts_[i];
+    s.columns = root_.empty() ? Eigen::MatrixXd(weight_.cwiseInverse().asDiagonal() * s.columns)
+                              : Eigen::MatrixXd(root_[i] * s.columns);
+    left[i] = w.measured - simulated(setup, w);
+    if (w.start_more.size() > 0) left[i] += s.columns.leftCols(w.start_more.size()) * w.start_more;
+    const Linearised run(setup, recordings_[w.recording], w, small);
+    work_->steps += run.steps();
+    all[i] = {run.of_torques(bins_),
+              s.columns * s.precision.cwiseInverse().asDiagonal() * s.columns.transpose(), left[i]};
+  });
+  std::vector<DisturbedWindow> some;
+  for (std::size_t i = 0; i < all.size(); i += (all.size() + kMostWindows - 1) / kMostWindows)
+    some.push_back(all[i]);
+  Disturbance start{Eigen::MatrixXd(n, static_cast<Eigen::Index>(Disturbance::kTime_s.size())),
+                    Eigen::VectorXd(n)};
+  for (Eigen::Index j = 0; j < n; ++j) {
+    start.torque.row(j).setConstant(std::pow(kFirst * scales_.torque_nm[static_cast<std::size_t>(j)], 2));
+    start.noise(j) = 1e-18;
+    for (const Recording& r : recordings_)
+      start.noise(j) = std::max(start.noise(j), std::pow(r.angle_noise_rad[static_cast<std::size_t>(j)], 2));
+  }
+  const Eigen::VectorXd least = kOfNoise * kOfNoise * start.noise;
+  const Disturbance d = estimate(std::move(start), some, part_s, least, threads_);
+  std::vector<Eigen::MatrixXd> root(windows_.size());
+  core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
+    root[i] = linear::root_of_positive(covariance(d, all[i].torques, part_s));
+  });
+  root_ = std::move(root);
+  eliminate_starts(left);
+}
+
+void Problem::eliminate_starts(const std::vector<Eigen::VectorXd>& left) {
   for (std::size_t i = 0; i < windows_.size(); ++i) {
     Start& s = starts_[i];
-    s.columns = weight_.asDiagonal() * s.columns;
+    s.columns = weighted(i, s.columns);
     Eigen::MatrixXd normal = s.columns.transpose() * s.columns;
     normal.diagonal() += s.precision;
     s.inverse = linear::inverse_of_positive(normal);
@@ -148,8 +209,7 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
   }
   window_weight_.assign(windows_.size(), 1.0);
   std::vector<double> loss;
-  for (std::size_t i = 0; i < windows_.size(); ++i)
-    loss.push_back(product(i, weight_.cwiseProduct(left[i]))(0, 0));
+  for (std::size_t i = 0; i < windows_.size(); ++i) loss.push_back(product(i, weighted(i, left[i]))(0, 0));
   std::vector<double> sorted = loss;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
                    sorted.end());
