@@ -24,10 +24,6 @@
 namespace furcula::trees {
 namespace {
 
-/// A rival whose loss is less than so many times its own scatter behind cannot be told apart.
-constexpr double kApart = 2.0;
-/// Nor can one whose loss is no more than by this share the larger, where the torques show that something is still missing.
-constexpr double kOfWhatIsLeft = 0.25;
 /// Where so much lasts that nothing predicts, of the drive's torque and of the torque that what is named accounts for, the names may stand
 /// for something else. Of real machines a twentieth of the drive's is usual.
 constexpr double kDoubted = 0.1, kOfNamed = 0.5;
@@ -115,6 +111,7 @@ class Diagnoser {
     if (disagreement_) return {};
     disputed_ = found.disputed;
     ended_early_ = found.ended_early;
+    unjudged_ = found.unjudged;
     if (ended_early_)
       d_.notes.push_back(
           "The search was ended: after much more work than usual there was still something to add. More may be wrong than is named.");
@@ -309,7 +306,6 @@ class Diagnoser {
     const std::size_t given = model_.causes.size();
     double explainable = 0.0;
     for (const double g : found.gain) explainable += g;
-    const bool something_left = std::any_of(d_.missing.begin(), d_.missing.end(), structured);
     for (std::size_t c = given; c < found.fit.at.causes.size(); ++c) {
       const Cause& cause = found.fit.at.causes[c];
       const EffectInfo& e = info(cause.effect);
@@ -320,7 +316,7 @@ class Diagnoser {
       f.explainable_removed = explainable > 0.0 ? found.gain[c - given] / explainable : 0.0;
       const Fit off = problem.fit(without(found.fit.at, c), 4, &found.fit);
       f.without = predict(model_, held_out_, options_.window_s, off.at).errors;
-      double nearest = 6.0;
+      double others = 0.0;  // their odds
       for (const Rival& r : found.rivals[c - given]) {
         result::Rival text;
         text.causes = {named(model_, r.causes.front())};
@@ -337,24 +333,14 @@ class Diagnoser {
           f.indistinguishable_from.push_back(text);
           continue;
         }
-        nearest = std::min(nearest, r.z);
-        const double more = r.loss_more / found.fit.loss;
-        if (r.z < kApart || (something_left && more < kOfWhatIsLeft)) {
-          undecided_.push_back(r.at);
-          text.reason = r.z < kApart
-                            ? std::string("in its place and fitted, the windows are predicted ") +
-                                  (r.z < -2.0 ? "better" : "as well") + ": the difference is " +
-                                  core::rounded(r.z, 2) + " times its own scatter from window to window"
-                            : "in its place and fitted, the windows' loss is " + percent(more) +
-                                  " more: what is still missing is more than that";
-          f.indistinguishable_from.push_back(text);
-        } else {
-          text.reason = "in its place and fitted, the windows' loss is " + percent(more) + " more, " +
-                        core::rounded(r.z, 2) + " times its own scatter from window to window";
-          f.alternatives.push_back(text);
-        }
+        others += std::exp(-r.log_odds);
+        text.reason =
+            "in its place and fitted, the training recordings are less likely by a factor of " +
+            (r.log_odds < std::log(1e6) ? core::rounded(std::exp(r.log_odds), 2) : "a million or more");
+        if (r.stands()) undecided_.push_back(r.at);
+        (r.stands() ? f.indistinguishable_from : f.alternatives).push_back(text);
       }
-      f.confidence = std::clamp(0.5 * (1.0 + std::erf(std::max(nearest, 0.0) / std::sqrt(2.0))), 0.5, 0.99);
+      f.confidence = std::min(0.99, 1.0 / (1.0 + others));
       if (f.confidence < kClear)
         f.lowered_by.push_back("another cause in its place fits the training recordings nearly as well");
       if (undecided(f)) limit(f, 0.5, "another cause explains the training recordings as well");
@@ -529,9 +515,11 @@ class Diagnoser {
     d_.unexplained_share = before > 0.0 && !d_.findings.empty() ? std::clamp(after / before, 0.0, 1.0)
                            : where.empty() && !disputed         ? 0.0
                                                                 : 1.0;
-    const bool another = std::any_of(d_.missing.begin(), d_.missing.end(), [](const MissingTorque& m) {
-      return is_another(m) || lasts(m) || at_times(m);
-    });
+    std::vector<std::string> of_another;
+    for (std::size_t j = 0; j < model_.joints(); ++j)
+      if (const MissingTorque& m = d_.missing[j]; is_another(m) || lasts(m) || at_times(m))
+        of_another.push_back(model_.robot.joints[j].name);
+    const bool another = !of_another.empty();
     const bool left =
         disputed || ended_early_ ||
         (!where.empty() && (d_.findings.empty() || d_.unexplained_share > kOfBefore || another));
@@ -541,7 +529,7 @@ class Diagnoser {
         if (none > 1.0 - kClear) f.lowered_by.push_back("the names leave a part of what there is to explain");
       }
       if (any_lost) limit(f, 0.5, "held-out runs are off by more than a joint moves");
-      if (ended_early_) limit(f, 0.5, "the search was ended");
+      if (unjudged_) limit(f, 0.5, "the comparison with other causes was ended");
       const std::vector<std::size_t> joints = joints_of(f.cause);
       if (info(f.cause.effect).location_type != LocationType::base &&
           info(f.cause.effect).location_type != LocationType::log &&
@@ -578,15 +566,16 @@ class Diagnoser {
                    (lacks.empty() || wrong.empty() ? "" : ", and ") +
                    (wrong.empty() ? "" : "has wrong values of " + joined(wrong)) + ".";
       if (undecided_ones) d_.summary += " The recordings cannot tell all of that from other causes.";
-      if (left && where.empty() && !disputed)
-        d_.summary += " The search for more was ended.";
-      else if (left && where.empty())
-        d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
-      else if (left && d_.unexplained_share > kOfBefore)
+      if (left && !where.empty() && d_.unexplained_share > kOfBefore)
         d_.summary += " " + percent(d_.unexplained_share) +
                       " of the torque that could be predicted is still missing, at " + joined(where) + ".";
+      else if (another)
+        d_.summary +=
+            " Torque is still missing at " + joined(of_another) + ", for longer than noise would be.";
+      else if (ended_early_)
+        d_.summary += " The search for more was ended.";
       else if (left)
-        d_.summary += " Torque is still missing at " + joined(where) + ", for longer than noise would be.";
+        d_.summary += " What is left is more than chance, and the recordings do not agree on a cause of it.";
     }
     if (!undecided_.empty()) {
       d_.experiments = next_experiments(model_, training_, d_.extended, undecided_, options_.window_s);
@@ -631,12 +620,12 @@ class Diagnoser {
   bool may_disagree_ = false;
   std::optional<Disagreement> disagreement_;
   std::vector<Recording> training_, held_out_;
-  bool at_bound_ = false;                     ///< of a finding
-  std::vector<ChannelError> training_error_;  ///< of the extended model
-  std::vector<TorqueSamples> after_;          ///< of the extended model, a joint each
-  double disputed_ = 0.0;                     ///< see Found
-  bool ended_early_ = false;                  ///< see Found
-  std::vector<Hypothesis> undecided_;         ///< rivals that cannot be told from a finding
+  bool at_bound_ = false;                        ///< of a finding
+  std::vector<ChannelError> training_error_;     ///< of the extended model
+  std::vector<TorqueSamples> after_;             ///< of the extended model, a joint each
+  double disputed_ = 0.0;                        ///< see Found
+  bool ended_early_ = false, unjudged_ = false;  ///< see Found
+  std::vector<Hypothesis> undecided_;            ///< rivals that cannot be told from a finding
   Diagnosis d_;
 };
 

@@ -34,8 +34,7 @@ constexpr double kPredictsMuch = 0.15;
 /// At the end a cause must be as far from none as chance is with this probability, all its parameters together, by windows and recordings:
 /// five standard deviations of one. A hundred causes are tried, and neighbouring windows are not independent.
 constexpr double kChance = 5.7e-7;
-/// And it must be worth so much of what all causes are. No law is a law to much less than that: what is left of a large cause looks like
-/// a small one of another sort, whatever the scatter.
+/// And it must be worth so much of what all causes are, by squares.
 constexpr double kOfAll = 0.004;
 /// What a spring is worth of a joint's share of the loss counts, where it is so many times its scatter from window to window.
 constexpr double kRingsSurely = 3.5;
@@ -46,8 +45,8 @@ constexpr std::size_t kMostRivals = 5, kMostAlike = 3;
 constexpr double kNearlyOneLaw = 0.5;
 /// One that is behind a cause by less than so many times the scatter stands for it.
 constexpr double kStands = 2.0;
-/// One cause does as well as two if the loss is larger by no more than so much.
-constexpr double kAsWell = 0.02;
+/// Of a rare law in a common one's place, the odds against it beforehand; of every other, one.
+constexpr double kRare = 20.0;
 /// A second search is given up after so many times the steps of the first.
 constexpr std::size_t kMoreWork = 2;
 /// What a parameter more must be worth, of the loss.
@@ -96,16 +95,19 @@ class Search {
     if (!found.ended_early) fit = another_path(std::move(fit), found, problem_.steps() - before);
     fit = common_path(std::move(fit), coarse, found, most_work_ * before);
     for (Candidate& spring : springs_) spring.fitted_gain = 0.0;  // that was beside fewer causes
-    problem_.stop_after(problem_.steps() + most_work_ * before);
-    judge(found, std::move(fit));
+    const std::size_t steps = most_work_ * before;
+    judge(found, std::move(fit), steps);
     // Rivals that took a place may be two wrong laws of friction, too.
+    const auto by_squares = [&] {
+      problem_.weigh(found.fit.at);
+      return problem_.fit(found.fit.at, 4);
+    };
     if (!found.ended_early)
-      if (Fit anew = without_falls(friction_anew(found.fit)); names(anew.at) != names(found.fit.at))
-        judge(found, std::move(anew));
-    if (Fit anew = without_doubtful_latches(found.fit); names(anew.at) != names(found.fit.at))
-      judge(found, std::move(anew));
-    found.ended_early = found.ended_early || problem_.spent();
-    problem_.stop_after(std::numeric_limits<std::size_t>::max());
+      if (Fit anew = without_falls(friction_anew(by_squares())); names(anew.at) != names(found.fit.at))
+        judge(found, std::move(anew), steps);
+    if (Fit anew = without_doubtful_latches(by_squares()); names(anew.at) != names(found.fit.at))
+      judge(found, std::move(anew), steps);
+    found.ended_early = found.ended_early || found.unjudged;
     found.disputed = std::max(disputed_, dropped_worth_);
     return found;
   }
@@ -733,14 +735,13 @@ class Search {
     }
   }
 
-  /// Each cause against none in its place, and against the others.
-  void judge(Found& found, Fit fit) {
-    problem_.weigh(fit.at);
-    fit = problem_.fit(fit.at, 4);
+  /// Each cause against none in its place, and against the others. It is given up after so many `steps`: what is named then stays.
+  void judge(Found& found, Fit fit, std::size_t steps) {
+    fit = by_likelihood(with_common_laws(without_negligible(std::move(fit))).at);
+    problem_.stop_after(problem_.steps() + steps);
     const std::size_t given = problem_.model().causes.size();
     for (int swaps = 0; swaps <= kMostSwaps; ++swaps) {
       found.gain.clear();
-      found.z.clear();
       found.rivals.clear();
       bool swapped = false;
       // All in one linear problem, at the whole hypothesis: each cause taken out of it, and what stands in for it.
@@ -751,10 +752,8 @@ class Search {
         offs.push_back(problem_.fit(outs.back(), 4, &fit));
       }
       if (outs.empty()) break;
-      if (const std::size_t least = negligible(fit, offs); least < offs.size()) {
-        fit = std::move(offs[least]);
-        problem_.weigh(fit.at);
-        fit = problem_.fit(fit.at, 4);
+      if (const std::size_t least = doubtful(fit, offs); least < offs.size() && !problem_.spent()) {
+        fit = by_likelihood(offs[least].at);
         --swaps;
         continue;
       }
@@ -766,7 +765,6 @@ class Search {
             "comparing " + cause_name(problem_.model(), fit.at.causes[c]) + " with the others");
         const Fit& off = offs[c - given];
         found.gain.push_back((off.loss - fit.loss) / fit.loss);
-        found.z.push_back(against(fit, off));
         std::vector<Rival> rivals;
         const ScoreTest linear = all.seen_from(c - given);
         ScoreTest::Columns others_fitted;
@@ -781,29 +779,30 @@ class Search {
                          [](const auto& a, const auto& b) { return a.gain > b.gain; });
         scores.insert(scores.end(), by_gain.begin(), by_gain.end());
         std::set<std::string> seen{cause_name(problem_.model(), fit.at.causes[c])};
-        std::size_t fitted = 0;
-        for (std::size_t k = 0; k < scores.size() && fitted < kMostRivals; ++k) {
-          const ScoreTest::Score& s = scores[k];
-          const Candidate& candidate = linear.candidates()[s.candidate];
-          const std::string name = cause_name(problem_.model(), candidate.columns.front());
-          if (candidate.replaces >= 0) continue;
-          if (k < alike ? fitted == kMostAlike : s.gain < 0.3 * (off.loss - fit.loss)) continue;
-          if (!seen.insert(name).second) continue;
-          ++fitted;
-          const Hypothesis h = with_candidate(problem_.model(), off.at, candidate, coefficients(s));
+        std::vector<Hypothesis> others;
+        const auto add = [&](const Candidate& candidate, std::span<const double> size) {
+          if (candidate.replaces < 0 &&
+              seen.insert(cause_name(problem_.model(), candidate.columns.front())).second)
+            others.push_back(with_candidate(problem_.model(), off.at, candidate, size));
+        };
+        // In a rare law's place the common ones, too, whatever the linear problem says.
+        for (const Candidate& candidate : linear.candidates())
+          if (!is_common(fit.at.causes[c].effect) && is_common(candidate.effect) &&
+              candidate.sites == fit.at.causes[c].sites)
+            add(candidate, std::vector<double>(candidate.columns.size(), 1.0));
+        const std::size_t common = others.size();
+        for (std::size_t k = 0; k < scores.size() && others.size() < common + kMostRivals; ++k) {
+          if (k < alike ? others.size() == common + kMostAlike : scores[k].gain < 0.3 * (off.loss - fit.loss))
+            continue;
+          add(linear.candidates()[scores[k].candidate], coefficients(scores[k]));
+        }
+        for (const Hypothesis& h : others) {
           const Fit other = problem_.fit(h, 5, &off);
           if (is_unresolved(other.at.causes.back())) continue;
           // The same law in another dress has the name that it had before.
-          Rival r{{other.at.causes.back()}, other.at, other.loss - fit.loss, against(fit, other)};
-          const double more = static_cast<double>(parameters(other)) - static_cast<double>(parameters(fit));
-          // With more parameters, or in a common law's place, only what the windows agree on, and what is worth them.
-          const bool rarer = is_common(fit.at.causes[c].effect) && !is_common(candidate.effect);
-          const bool preferred = more <= 0.0 && !rarer
-                                     ? r.loss_more < -kBetter * fit.loss
-                                     : r.z < -kStands && r.loss_more < -kOfParameter * more * fit.loss;
-          if (swaps < kMostSwaps && preferred) {
-            // Its derivatives are of several places.
-            fit = problem_.fit(other.at, 3);
+          const Rival r{{other.at.causes.back()}, other.at, log_odds(fit, other)};
+          if (swaps < kMostSwaps && r.log_odds < 0.0 && !problem_.spent()) {
+            fit = by_likelihood(other.at);
             swapped = true;
             break;
           }
@@ -811,19 +810,56 @@ class Search {
         }
         found.rivals.push_back(std::move(rivals));
       }
-      if (!swapped && !(swaps < kMostSwaps && one_for_two(found, fit))) break;
+      if (!swapped && (problem_.spent() || !(swaps < kMostSwaps && one_for_two(found, fit)))) break;
     }
+    found.unjudged = problem_.spent();
+    problem_.stop_after(std::numeric_limits<std::size_t>::max());
     found.fit = std::move(fit);
   }
-  /// The cause that is worth least, where that is next to nothing beside the others; else their number.
-  static std::size_t negligible(const Fit& fit, const std::vector<Fit>& offs) {
-    double all = 0.0;
-    std::size_t least = 0;
-    for (std::size_t c = 0; c < offs.size(); ++c) {
-      all += std::max(0.0, offs[c].loss - fit.loss);
-      if (offs[c].loss < offs[least].loss) least = c;
+  /// Without the causes that are worth next to nothing of what all are, by squares: no law is a law to much less than that, and what is left of
+  /// a large cause looks like a small one of another sort. The least first.
+  Fit without_negligible(Fit fit) const {
+    for (;;) {
+      problem_.weigh(fit.at);
+      fit = problem_.fit(fit.at, 4);
+      std::optional<Fit> least;
+      double all = 0.0;
+      for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c) {
+        Fit off = problem_.fit(without(fit.at, c), 4, &fit);
+        all += std::max(0.0, off.loss - fit.loss);
+        if (!least || off.loss < least->loss) least = std::move(off);
+      }
+      if (!least || least->at.causes.size() == problem_.model().causes.size() ||
+          least->loss - fit.loss >= kOfAll * all)
+        return fit;
+      fit = std::move(*least);
     }
-    return offs.size() > 1 && offs[least].loss - fit.loss < kOfAll * all ? least : offs.size();
+  }
+  /// A common law in the place of a rare one at the same joints, where the squares are less with it.
+  Fit with_common_laws(Fit fit) const {
+    const std::vector<Candidate> all = candidates(problem_, fit.at, {});
+    for (std::size_t c = problem_.model().causes.size(); c < fit.at.causes.size(); ++c)
+      for (const Candidate& candidate : all) {
+        const Cause& rare = fit.at.causes[c];
+        if (is_common(rare.effect) || !is_common(candidate.effect) || candidate.sites != rare.sites ||
+            candidate.replaces >= 0)
+          continue;
+        Hypothesis h = fit.at;
+        h.causes[c] = candidate.columns.front();
+        if (Fit other = problem_.fit(h, 6); other.loss < fit.loss) fit = std::move(other);
+      }
+    return fit;
+  }
+  /// The cause for which the odds are least, where the recordings hardly tell that it is there; else their number.
+  std::size_t doubtful(const Fit& fit, const std::vector<Fit>& offs) const {
+    std::size_t least = offs.size();
+    double odds = kOdds;
+    for (std::size_t c = 0; c < offs.size(); ++c)
+      if (const double with = log_odds(fit, offs[c]); with < odds) {
+        odds = with;
+        least = c;
+      }
+    return least;
   }
   /// What stands for either of two causes may stand for both: then it is the one.
   bool one_for_two(const Found& found, Fit& fit) const {
@@ -833,19 +869,50 @@ class Search {
         for (const Rival& of_a : found.rivals[a])
           for (const Rival& of_b : found.rivals[b]) {
             const Cause& cause = of_a.causes.front();
-            if (of_a.z > kStands || of_b.z > kStands || cause.effect != of_b.causes.front().effect ||
+            if (!of_a.stands() || !of_b.stands() || cause.effect != of_b.causes.front().effect ||
                 cause.sites != of_b.causes.front().sites)
               continue;
             // In it `a` is gone already, and what stands for it is there.
             Fit one = problem_.fit(without(of_a.at, given + b - 1), 6);
-            if (one.loss > (1.0 + kAsWell) * fit.loss) continue;
-            fit = std::move(one);
+            if (log_odds(fit, one) > 0.0) continue;
+            fit = by_likelihood(one.at);
             return true;
           }
     return false;
   }
-  static std::size_t parameters(const Fit& f) { return f.unknowns.size(); }
-
+  /// A fit by the likelihood under what disturbs; what that is depends on the fit.
+  Fit by_likelihood(const Hypothesis& h) const {
+    problem_.weigh(h);
+    Fit fit = problem_.fit(h, 4);
+    for (int again = 0; again < 2; ++again) {
+      problem_.whiten(fit.at);
+      fit = problem_.fit(fit.at, 6);
+    }
+    return fit;
+  }
+  /// Of `fit` against `other`, natural logarithm: of their likelihoods, of their parameters (Schwarz, Annals of Statistics 6(2), 1978, the
+  /// windows being what is independent), and of what is known beforehand. A window has Student's distribution, with as many degrees of
+  /// freedom as residuals. Where the difference of two fits scatters from window to window by more than that of Gaussian residuals, twice
+  /// the square of its distance from 0 is less than the likelihoods' logarithm, and right.
+  double log_odds(const Fit& fit, const Fit& other) const {
+    const double size = static_cast<double>(problem_.windows().front().measured.size());
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < fit.window_loss.size(); ++i) {
+      const double more =
+          2.0 * size * (std::log(size + other.window_loss[i]) - std::log(size + fit.window_loss[i]));
+      sum += more;
+      squares += more * more;
+    }
+    const double n = static_cast<double>(fit.window_loss.size());
+    const double of_scatter = 2.0 * sum * sum / std::max(squares - sum * sum / n, 1e-300);
+    const auto beforehand = [&](const Fit& f) {
+      double out = 0.5 * static_cast<double>(f.unknowns.size()) * std::log(n);
+      for (const Cause& c : f.at.causes) out += is_common(c.effect) ? 0.0 : std::log(kRare);
+      return out;
+    };
+    return std::copysign(std::min(0.5 * std::abs(sum), of_scatter), sum) + beforehand(other) -
+           beforehand(fit);
+  }
   /// By how much `fit` is better than `other`, in the scatter of the difference from window to window.
   static double against(const Fit& fit, const Fit& other) {
     const std::size_t n = fit.window_loss.size();

@@ -24,12 +24,16 @@ inline constexpr double kDisputed = 0.05;
 /// So much of the torque that could be predictable before is no remainder.
 inline constexpr double kOfBefore = 0.1;
 
+/// From these odds on a cause is told from another: twenty to one, natural logarithm.
+inline constexpr double kOdds = 3.0;
+
 /// Another cause in the place of a finding.
 struct Rival {
   std::vector<Cause> causes;
-  Hypothesis at;           ///< with it, all else fitted again
-  double loss_more = 0.0;  ///< than the finding's, of the training windows
-  double z = 0.0;          ///< that difference over its scatter from window to window
+  Hypothesis at;          ///< with it, all else fitted again
+  double log_odds = 0.0;  ///< of the finding against it, natural logarithm
+  /// It explains the recordings about as well.
+  bool stands() const { return log_odds < kOdds; }
 };
 
 struct Found {
@@ -37,7 +41,6 @@ struct Found {
   Fit refitted;  ///< free parameters alone
   std::vector<double>
       gain;  ///< of each cause: loss without it, all else fitted again, less that with it, over the latter
-  std::vector<double> z;                   ///< of each cause: the same over its scatter
   std::vector<std::vector<Rival>> rivals;  ///< of each cause
   std::size_t tried = 0;                   ///< candidates
   struct Tried {
@@ -50,6 +53,7 @@ struct Found {
   double disputed = 0.0;
   std::optional<Hypothesis> common;  ///< with the common laws alone, where a search began with them
   bool ended_early = false;          ///< it had not come to its end after much work
+  bool unjudged = false;             ///< nor had the comparison of what it found with other causes
 };
 
 using Progress =
