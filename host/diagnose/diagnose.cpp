@@ -147,6 +147,7 @@ class Assembly {
     parameter_rows();
     verdict();
     confidences();
+    no_finding();
     plan();
     note_one_scale();
     note_held_out_that_tells();
@@ -838,6 +839,14 @@ class Assembly {
     std::vector<Recording> all = training_;
     all.insert(all.end(), held_out_.begin(), held_out_.end());
     d_.contact_switch = identify::switch_agreement(all, machines::touchdown_height_m(d_.extended_model));
+  }
+
+  /// Where no name is more likely right than wrong, nothing is explained: the names leave too much, or others do as well.
+  void no_finding() {
+    if (d_.verdict != Verdict::explained || d_.findings.empty()) return;
+    for (const Finding& f : d_.findings)
+      if (f.confidence >= 0.5) return;
+    d_.verdict = d_.none_of_catalogue > 0.5 ? Verdict::partly_explained : Verdict::not_identifiable;
   }
 
   Verdict decide(bool noise_alone, bool better_held_out, bool little_remains) const {

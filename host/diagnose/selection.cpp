@@ -34,7 +34,7 @@ constexpr std::size_t kFewestFits = 3;
 constexpr double kSmallestScreening = 0.2;  ///< of the best proposal's
 constexpr std::size_t kMostRivals = 4;      ///< that are fitted in the place of each member
 constexpr std::size_t kMostParts = 5;       ///< effects that pairs in the place of a member are made of
-constexpr int kMostSwaps = 2;
+constexpr int kMostSwaps = 4;
 constexpr std::size_t kBeam = 4;  ///< effects that a pair may begin with
 
 /// Two names of one law: the same free runs to within a ten-thousandth, whatever was to be expected before.
@@ -79,6 +79,12 @@ class Search {
       if (!follows_the_body(s_.chosen)) forward(s_.chosen.effects.size());
     }
     replace_by_rivals();
+    if (!s_.chosen.effects.empty() && !follows_the_body(s_.chosen)) {
+      // What took a place may leave what another cause explains.
+      const EffectSet before = s_.chosen.effects;
+      forward(before.size());
+      if (s_.chosen.effects != before) replace_by_rivals();
+    }
     add_friction_of_two_sizes();
     if (keeps(Rule::early_rows)) add_drive_behind_early_rows();
     if (wider && trainer_.preference(s_.chosen, *wider) > -kEqualEvidence) s_.beyond_bounds = wider;
@@ -517,6 +523,13 @@ class Search {
         acted(Rule::rivals);
       else if (keeps(Rule::heaviest) && (better = heaviest()) != nullptr)
         acted(Rule::heaviest);
+      else if (keeps(Rule::falling_friction))
+        if (const std::optional<Hypothesis> falling = falling_friction()) {
+          s_.chosen = *falling;
+          remember(s_.chosen);
+          acted(Rule::falling_friction);
+          continue;
+        }
       if (better == nullptr) return;
       s_.chosen = Hypothesis(*better);
       prune(s_.chosen);
@@ -534,6 +547,23 @@ class Search {
       if (const double odds = odds_for(h); odds > most) most = odds, best = &h;
     }
     return best;
+  }
+
+  /// A Stribeck curve in the place of dry friction of one size. Its values may be known in combination alone: then the windows' scatter does
+  /// not tell its two sizes apart, and the likelihood under what disturbs does, if it is ten times as likely and worth its two parameters.
+  std::optional<Hypothesis> falling_friction() {
+    const EffectSet& members = s_.chosen.effects;
+    if (!disturbed_ || !holds(members, Effect::coulomb_friction)) return std::nullopt;
+    const EffectSet falling = with(without(members, Effect::coulomb_friction), Effect::stribeck_friction);
+    const auto known = pool_.find(falling);
+    Hypothesis h = known != pool_.end() ? known->second : fit_if_it_runs(falling, s_.chosen);
+    if (h.failed || h.meaningful) return std::nullopt;
+    for (std::size_t i = 0; i < h.unknowns.size(); ++i)
+      if (h.unknowns[i].of_effect && h.fit.at_bound[i]) return std::nullopt;
+    if (odds_for(h) < kTenTimes + chi_square_point(static_cast<double>(all_.size()), 2.0))
+      return std::nullopt;
+    h.meaningful = true;
+    return h;
   }
 
   /// Of several causes the set without one of which there may be none, that is of little help, or that the recordings do not agree on:
