@@ -737,7 +737,9 @@ class Search {
 
   /// Each cause against none in its place, and against the others. It is given up after so many `steps`: what is named then stays.
   void judge(Found& found, Fit fit, std::size_t steps) {
-    fit = by_likelihood(with_common_laws(without_negligible(std::move(fit))).at);
+    fit = with_common_laws(without_negligible(std::move(fit)));
+    random_ = !much_is_missing(fit.at, found.refitted.at);
+    fit = settled(fit.at);
     problem_.stop_after(problem_.steps() + steps);
     const std::size_t given = problem_.model().causes.size();
     for (int swaps = 0; swaps <= kMostSwaps; ++swaps) {
@@ -753,7 +755,7 @@ class Search {
       }
       if (outs.empty()) break;
       if (const std::size_t least = doubtful(fit, offs); least < offs.size() && !problem_.spent()) {
-        fit = by_likelihood(offs[least].at);
+        fit = settled(offs[least].at);
         --swaps;
         continue;
       }
@@ -800,9 +802,10 @@ class Search {
           const Fit other = problem_.fit(h, 5, &off);
           if (is_unresolved(other.at.causes.back())) continue;
           // The same law in another dress has the name that it had before.
-          const Rival r{{other.at.causes.back()}, other.at, log_odds(fit, other)};
+          const Rival r{
+              {other.at.causes.back()}, other.at, log_odds(fit, other), random_ ? kOdds : kOddsOfWrong};
           if (swaps < kMostSwaps && r.log_odds < 0.0 && !problem_.spent()) {
-            fit = by_likelihood(other.at);
+            fit = settled(other.at);
             swapped = true;
             break;
           }
@@ -853,7 +856,7 @@ class Search {
   /// The cause for which the odds are least, where the recordings hardly tell that it is there; else their number.
   std::size_t doubtful(const Fit& fit, const std::vector<Fit>& offs) const {
     std::size_t least = offs.size();
-    double odds = kOdds;
+    double odds = random_ ? kOdds : kOddsOfWrong;
     for (std::size_t c = 0; c < offs.size(); ++c)
       if (const double with = log_odds(fit, offs[c]); with < odds) {
         odds = with;
@@ -875,16 +878,17 @@ class Search {
             // In it `a` is gone already, and what stands for it is there.
             Fit one = problem_.fit(without(of_a.at, given + b - 1), 6);
             if (log_odds(fit, one) > 0.0) continue;
-            fit = by_likelihood(one.at);
+            fit = settled(one.at);
             return true;
           }
     return false;
   }
-  /// A fit by the likelihood under what disturbs; what that is depends on the fit.
-  Fit by_likelihood(const Hypothesis& h) const {
+  /// A fit by the likelihood under what disturbs; what that is depends on the fit. Where what is left is not random, by squares: of wrong
+  /// models they find the one that predicts best.
+  Fit settled(const Hypothesis& h) const {
     problem_.weigh(h);
     Fit fit = problem_.fit(h, 4);
-    for (int again = 0; again < 2; ++again) {
+    for (int again = 0; random_ && again < 2; ++again) {
       problem_.whiten(fit.at);
       fit = problem_.fit(fit.at, 6);
     }
@@ -928,6 +932,7 @@ class Search {
   const Progress& progress_;
   std::optional<Candidate> first_pick_, not_first_;  ///< of the first round; what must not be that
   bool swings_;                                      ///< are looked for
+  bool random_ = true;                               ///< what is left, as far as the recordings tell
   bool beside_common_ = false;                       ///< laws that are there from the first
   std::size_t most_work_;                            ///< see search()
   std::vector<Candidate> springs_, ripples_;         ///< that may be

@@ -26,14 +26,18 @@ inline constexpr double kOfBefore = 0.1;
 
 /// From these odds on a cause is told from another: twenty to one, natural logarithm.
 inline constexpr double kOdds = 3.0;
+/// Where something else is missing, both are wrong: then by two standard deviations of their windows' difference (Vuong, Econometrica
+/// 57(2), 1989), of which twice the square is the logarithm of the odds.
+inline constexpr double kOddsOfWrong = 8.0;
 
 /// Another cause in the place of a finding.
 struct Rival {
   std::vector<Cause> causes;
-  Hypothesis at;          ///< with it, all else fitted again
-  double log_odds = 0.0;  ///< of the finding against it, natural logarithm
+  Hypothesis at;             ///< with it, all else fitted again
+  double log_odds = 0.0;     ///< of the finding against it, natural logarithm
+  double told_from = kOdds;  ///< from such odds on
   /// It explains the recordings about as well.
-  bool stands() const { return log_odds < kOdds; }
+  bool stands() const { return log_odds < told_from; }
 };
 
 struct Found {
