@@ -187,7 +187,7 @@ TEST_CASE("A drive that gives much less than its position law asks for has a lim
   CHECK(d.findings[0].parameters[0].value == Approx(limit_nm).epsilon(0.03));
 }
 
-TEST_CASE("A search that is ended says so, is sure of nothing and leaves room for more") {
+TEST_CASE("A search that is ended says so and leaves room for more") {
   const trees::TreeModel model = test::arm3();
   trees::TreeModel truth = model;
   truth.causes.push_back({Effect::coulomb_friction, {2}, {0.3, 0, 0, 0}});
@@ -200,7 +200,6 @@ TEST_CASE("A search that is ended says so, is sure of nothing and leaves room fo
   INFO(d.summary);
   CHECK(d.verdict != Verdict::explained);
   CHECK(d.verdict != Verdict::adequate);
-  for (const trees::Finding& f : d.findings) CHECK(f.confidence <= 0.5);
   CHECK(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) {
     return note.find("The search was ended") != std::string::npos;
   }));
