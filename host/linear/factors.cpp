@@ -26,7 +26,11 @@ Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& a, bool* positive) {
   if (positive != nullptr) *positive = factors.info() == Eigen::Success;
   return factors.solve(Eigen::MatrixXd::Identity(a.rows(), a.cols()));
 }
-Eigen::MatrixXd root_of_positive(const Eigen::MatrixXd& a) { return a.llt().matrixL(); }
+Eigen::MatrixXd root_of_positive(const Eigen::MatrixXd& a) {
+  const Eigen::LLT<Eigen::MatrixXd> factors(a);
+  if (factors.info() == Eigen::Success) return factors.matrixL();
+  return a.diagonal().cwiseSqrt().asDiagonal();
+}
 Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& root, const Eigen::MatrixXd& b) {
   return root.triangularView<Eigen::Lower>().solve(b);
 }

@@ -30,7 +30,7 @@ Eigen::Vector3d solve_symmetric(const Eigen::Matrix3d& a, const Eigen::Vector3d&
 Eigen::VectorXd solve_positive(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// `positive`: whether it is positive definite; without it the result is of no use.
 Eigen::MatrixXd inverse_of_positive(const Eigen::MatrixXd& a, bool* positive = nullptr);
-/// The lower triangular L with L L' = a.
+/// The lower triangular L with L L' = a; where rounding leaves `a` not positive definite, that of its diagonal.
 Eigen::MatrixXd root_of_positive(const Eigen::MatrixXd& a);
 /// x with L x = b.
 Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& root, const Eigen::MatrixXd& b);

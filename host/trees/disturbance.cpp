@@ -59,10 +59,13 @@ struct Parts {
 Parts parts_of(const Disturbance& d, const DisturbedWindow& w,
                const std::vector<Eigen::MatrixXd>& correlations) {
   const Index n = d.noise.size(), times = correlations.front().rows();
+  Parts out{Eigen::MatrixXd::Zero(n, kParts + 1), Eigen::MatrixXd::Zero(n, kParts + 1), 0.0};
+  bool positive = false;
   const Eigen::MatrixXd inverse =
-      linear::inverse_of_positive(w.starts + covariance(d, w.torques, correlations));
+      linear::inverse_of_positive(w.starts + covariance(d, w.torques, correlations), &positive);
+  if (!positive) return out;  // a run that flies apart tells nothing
   const Eigen::VectorXd x = inverse * w.left;
-  Parts out{Eigen::MatrixXd::Zero(n, kParts + 1), Eigen::MatrixXd::Zero(n, kParts + 1), x.dot(w.left)};
+  out.all = x.dot(w.left);
   for (Index j = 0; j < n; ++j) {
     const auto by = w.torques.middleCols(j * times, times);
     const Eigen::VectorXd of_joint = by.transpose() * x;

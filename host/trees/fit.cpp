@@ -186,6 +186,18 @@ Eigen::MatrixXd Problem::product(std::size_t window, const Eigen::MatrixXd& colu
          (columns.transpose() * columns - with_start.transpose() * (s.inverse * with_start));
 }
 
+double Problem::noise_rad(std::size_t joint) const {
+  double most = 0.0;
+  for (const Recording& r : recordings_) most = std::max(most, r.angle_noise_rad[joint]);
+  return most;
+}
+
+std::vector<double> Problem::small_torques_nm() const {
+  std::vector<double> out = scales_.torque_nm;
+  for (double& torque : out) torque *= kTorque;
+  return out;
+}
+
 double Problem::misfit(const Hypothesis& h) const {
   const std::size_t n = joints();
   const Setup setup = make(h);
@@ -207,8 +219,7 @@ double Problem::misfit(const Hypothesis& h) const {
   double most = 0.0;
   for (std::size_t j = 0; j < n; ++j) {
     // Where a joint hardly moves, noise is no misfit.
-    double noise = 0.0;
-    for (const Recording& r : recordings_) noise = std::max(noise, r.angle_noise_rad[j]);
+    const double noise = noise_rad(j);
     double squares = 0.0, about_mean = 1e-12 + static_cast<double>(bins_ * windows_.size()) * kStill *
                                                    kStill * noise * noise;
     for (std::size_t i = 0; i < windows_.size(); ++i) {
@@ -277,8 +288,7 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
   if (of_rotors != nullptr)
     *of_rotors = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(windows_.size()),
                                        static_cast<Eigen::Index>(setups.size()));
-  std::vector<double> torque_nm = scales_.torque_nm;
-  for (double& torque : torque_nm) torque *= kTorque;
+  const std::vector<double> torque_nm = small_torques_nm();
   std::vector<Eigen::MatrixXd> out(windows_.size());
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Eigen::MatrixXd& c = out[i];

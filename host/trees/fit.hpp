@@ -127,6 +127,8 @@ class Problem {
   Eigen::VectorXd best_start(std::size_t window, const Eigen::VectorXd& left) const;
   /// What each bin's residual is worth: from what is left once the starts are fitted.
   void weigh_bins(const std::vector<Eigen::VectorXd>& left);
+  double noise_rad(std::size_t joint) const;     ///< of its encoder, the most of all recordings
+  std::vector<double> small_torques_nm() const;  ///< of each joint, one that changes nothing else
   /// Residuals or columns of a window over their standard deviations; after whiten() they are independent, too.
   Eigen::MatrixXd weighted(std::size_t window, const Eigen::MatrixXd& x) const;
   /// Takes the starts off all products, and weighs the windows. `left`: not weighted.

@@ -18,8 +18,8 @@ constexpr int kMoves = 3;
 /// Disturbances are estimated on so many windows; at first a random torque is so much of what acts at its joint.
 constexpr std::size_t kMostWindows = 40;
 constexpr double kFirst = 0.05;
-/// A torque of so much of that changes nothing else.
-constexpr double kSmall = 1e-3;
+/// No encoder has less noise.
+constexpr double kLeastNoise_rad = 1e-9;
 /// Of an encoder's noise, what stays when its readings are averaged.
 constexpr double kOfNoise = 0.25;
 
@@ -90,8 +90,7 @@ void Problem::weigh_bins(const std::vector<Eigen::VectorXd>& left) {
     squares.col(static_cast<Eigen::Index>(i)) =
         (left[i] - starts_[i].columns * best_start(i, left[i])).cwiseAbs2();
   for (std::size_t j = 0; j < n; ++j) {
-    double noise = 1e-9;
-    for (const Recording& r : recordings_) noise = std::max(noise, r.angle_noise_rad[j]);
+    const double noise = std::max(kLeastNoise_rad, noise_rad(j));
     for (std::size_t b = 0; b < bins_; ++b) {
       // Of this bin and its neighbours, the mean without the largest tenth.
       std::vector<double> all;
@@ -160,8 +159,7 @@ void Problem::whiten(const Hypothesis& h) {
   const Setup setup = make(h);
   const auto n = static_cast<Eigen::Index>(joints());
   const double part_s = windows_.front().span_s / static_cast<double>(bins_);
-  std::vector<double> small = scales_.torque_nm;
-  for (double& torque_nm : small) torque_nm *= kSmall;
+  const std::vector<double> small = small_torques_nm();
   std::vector<Eigen::VectorXd> left(windows_.size());
   std::vector<DisturbedWindow> all(windows_.size());
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
@@ -183,9 +181,7 @@ void Problem::whiten(const Hypothesis& h) {
                     Eigen::VectorXd(n)};
   for (Eigen::Index j = 0; j < n; ++j) {
     start.torque.row(j).setConstant(std::pow(kFirst * scales_.torque_nm[static_cast<std::size_t>(j)], 2));
-    start.noise(j) = 1e-18;
-    for (const Recording& r : recordings_)
-      start.noise(j) = std::max(start.noise(j), std::pow(r.angle_noise_rad[static_cast<std::size_t>(j)], 2));
+    start.noise(j) = std::pow(std::max(kLeastNoise_rad, noise_rad(static_cast<std::size_t>(j))), 2);
   }
   const Eigen::VectorXd least = kOfNoise * kOfNoise * start.noise;
   const Disturbance d = estimate(std::move(start), some, part_s, least, threads_);
