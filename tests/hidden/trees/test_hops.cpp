@@ -2,11 +2,11 @@
 // written, and the judge knows a leg's words.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/folder.hpp"
 #include "tests/hidden/trees/judge.hpp"
 #include "tests/hidden/trees/questions.hpp"
 #include "tests/hidden/trees/stage.hpp"
@@ -163,7 +163,8 @@ TEST_CASE("A leg's folder holds its model, its robot and logs with the toe's swi
   const double late = c.planted.at(0).parameters.at("delay_s");
   CHECK(late >= 0.015);
   CHECK(late <= 0.025);
-  const std::string folder = (std::filesystem::temp_directory_path() / "furcula-legs-case").string();
+  const test::Folder kept;
+  const std::string folder = kept.file("case");
   const auto logs = write_case(c, folder);
   CHECK(logs.size() == 4);
   std::ifstream log(folder + "/" + logs.front());
@@ -189,7 +190,6 @@ TEST_CASE("A leg's folder holds its model, its robot and logs with the toe's swi
     CHECK(model.find(line) != std::string::npos);
   CHECK(text_of(folder + "/robot.urdf").find("<axis xyz=\"0 -1 0\"/>") != std::string::npos);
   CHECK(text_of(folder + "/truth.json").find("latch_delay") != std::string::npos);
-  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("A late catch and another rest angle are other words where the restarts say so", "[trees]") {

@@ -1,9 +1,9 @@
 // Cases as they are written, and the judge's words.
 #include <catch2/catch.hpp>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "tests/folder.hpp"
 #include "tests/hidden/trees/cases.hpp"
 #include "tests/hidden/trees/judge.hpp"
 
@@ -43,7 +43,8 @@ TEST_CASE("A case is the same each time, and its cause shows in it", "[trees]") 
 
 TEST_CASE("A case's folder holds model, robot and logs of the contract's form", "[trees]") {
   const Case& c = friction_case();
-  const std::string folder = (std::filesystem::temp_directory_path() / "furcula-trees-case").string();
+  const test::Folder kept;
+  const std::string folder = kept.file("case");
   const auto logs = write_case(c, folder);
   CHECK(logs.size() == 4);
   const std::string log = text_of(folder + "/log_00.csv");
@@ -53,7 +54,6 @@ TEST_CASE("A case's folder holds model, robot and logs of the contract's form", 
   CHECK(text_of(folder + "/model.toml").find("kind = \"tree\"") != std::string::npos);
   CHECK(text_of(folder + "/robot.urdf").find("<limit") != std::string::npos);
   CHECK(text_of(folder + "/truth.json").find("asymmetric_friction") != std::string::npos);
-  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("Law and place named, and nothing else, is right", "[trees]") {
@@ -153,13 +153,13 @@ TEST_CASE("On a clean robot only nothing is right", "[trees]") {
 }
 
 TEST_CASE("A diagnosis is read as the contract writes it", "[trees]") {
-  const std::string path = (std::filesystem::temp_directory_path() / "furcula-trees-diagnosis.json").string();
+  const test::Folder kept;
+  const std::string path = kept.file("diagnosis.json");
   std::ofstream(path)
       << R"({"verdict": "explained", "findings": [{"effect": "coulomb_friction", "location_type": "joint", "locations": ["b", "a"],
     "parameters": {"torque_nm": {"value": 0.5, "ci95": [0.4, 0.6]}}, "confidence": 0.97,
     "indistinguishable_from": [{"causes": [{"effect": "viscous", "location_type": "joint", "locations": ["d", "c"]}], "reason": "slow"}]}]})";
   const Diagnosis d = read_diagnosis(path);
-  std::filesystem::remove(path);
   CHECK(d.verdict == "explained");
   REQUIRE(d.findings.size() == 1);
   CHECK(label(d.findings[0].cause.effect, d.findings[0].cause.at) == "coulomb_friction@a,b");

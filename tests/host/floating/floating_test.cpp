@@ -2,7 +2,6 @@
 // numbers that a robot differs in are found within a fit of all.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
 #include "host/biped/machine_toml.hpp"
@@ -11,6 +10,7 @@
 #include "host/walk/exercise.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/walk/walks.hpp"
 
@@ -354,10 +354,9 @@ TEST_CASE("deviations of a model file are read as they were written, and wrong o
   std::size_t n = 0;
   for (const Unknown& u : biped::unknowns(given.robot, true, true))
     if (++n % 7 == 0) u.add(machine, 0.1 * u.prior_sd);
-  const auto folder = std::filesystem::temp_directory_path() / "furcula-floating-test";
-  std::filesystem::create_directories(folder);
+  const test::Folder folder;
   const auto model_of = [&](const std::string& deviations) {
-    const std::string file = (folder / "model.toml").string();
+    const std::string file = folder.file("model.toml");
     std::ofstream(file) << "[model]\nkind = \"biped\"\nschema = 1\nurdf = \""
                         << test::source("models/biped/furcula_biped.urdf") << "\"\n"
                         << deviations;
@@ -380,5 +379,4 @@ TEST_CASE("deviations of a model file are read as they were written, and wrong o
              Contains("a robot that cannot be"));
   CHECK_THAT(test::error_message([&] { model_of("[deviations]\n\"mass@left_knee\" = \"much\"\n"); }),
              Contains("model.toml"));
-  std::filesystem::remove_all(folder);
 }

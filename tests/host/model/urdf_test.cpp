@@ -12,6 +12,7 @@
 #include "furcula/dynamics/tree/energy.hpp"
 #include "furcula/dynamics/tree/forward_dynamics.hpp"
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/error_message.hpp"
 #include "tests/host/model/example.hpp"
 
@@ -684,8 +685,8 @@ TEST_CASE("Names come out printable, whatever they hold") {
 }
 
 TEST_CASE("Files that are empty, too large or not there are refused") {
-  const auto folder = std::filesystem::temp_directory_path();
-  const std::string path = folder / "furcula_urdf_test.urdf";
+  const test::Folder folder;
+  const std::string path = folder.file("robot.urdf");
   std::ofstream(path) << "";
   CHECK_THAT(
       test::error_message([&] { model::read_urdf(path); }),

@@ -8,6 +8,7 @@
 
 #include "host/core/error.hpp"
 #include "host/model/robot_file.hpp"
+#include "tests/folder.hpp"
 #include "tests/paths.hpp"
 
 using namespace furcula;
@@ -16,32 +17,29 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder with a program `xacro`, which alone PATH then has beside the system's.
+/// A folder with a program `xacro`, which alone PATH then has beside the system's. Its name has a blank and a semicolon.
 class Stand {
  public:
-  explicit Stand(const std::string& program) : folder_(fs::temp_directory_path() / "furcula xacro; test") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_ / "bin");
+  explicit Stand(const std::string& program) {
+    fs::create_directories(folder_.file("of xacro; test/bin"));
     if (!program.empty()) {
-      std::ofstream(folder_ / "bin/xacro") << "#!/bin/sh\n" << program;
-      fs::permissions(folder_ / "bin/xacro", fs::perms::owner_all);
+      const std::string xacro = folder_.file("of xacro; test/bin/xacro");
+      std::ofstream(xacro) << "#!/bin/sh\n" << program;
+      fs::permissions(xacro, fs::perms::owner_all);
     }
-    ::setenv("PATH", ((folder_ / "bin").string() + ":/usr/bin:/bin").c_str(), 1);
+    ::setenv("PATH", (folder_.file("of xacro; test/bin") + ":/usr/bin:/bin").c_str(), 1);
   }
-  ~Stand() {
-    ::setenv("PATH", before_.c_str(), 1);
-    fs::remove_all(folder_);
-  }
+  ~Stand() { ::setenv("PATH", before_.c_str(), 1); }
   Stand(const Stand&) = delete;
   Stand& operator=(const Stand&) = delete;
   std::string file(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
+    folder_.write("of xacro; test/" + name, text);
+    return folder_.file("of xacro; test/" + name);
   }
 
  private:
   std::string before_ = std::getenv("PATH");
-  fs::path folder_;
+  test::Folder folder_;
 };
 
 std::string said(const std::string& path) {

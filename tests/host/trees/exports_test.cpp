@@ -14,8 +14,8 @@
 #include "host/model/robot_file.hpp"
 #include "host/model/xml_check.hpp"
 #include "host/trees/run.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/model/mujoco_peer.hpp"
-#include "tests/host/trees/folder.hpp"
 #include "tests/paths.hpp"
 #include "tests/skip.hpp"
 

@@ -11,8 +11,8 @@
 #include "host/trees/exports.hpp"
 #include "host/trees/identify.hpp"
 #include "host/trees/run.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/error_message.hpp"
-#include "tests/host/trees/folder.hpp"
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;

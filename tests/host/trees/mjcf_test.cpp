@@ -15,8 +15,8 @@
 #include "host/trees/diagnose.hpp"
 #include "host/trees/exports.hpp"
 #include "host/trees/run.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/model/mujoco_peer.hpp"
-#include "tests/host/trees/folder.hpp"
 #include "tests/paths.hpp"
 #include "tests/skip.hpp"
 

@@ -14,7 +14,7 @@ namespace furcula::test {
 class Folder {
  public:
   Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "furcula-trees-XXXXXX").string();
+    std::string pattern = (std::filesystem::temp_directory_path() / "furcula-test-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder: " + pattern);
     path_ = pattern;
   }
