@@ -155,22 +155,33 @@ Eigen::Vector2d Problem::rotor_precision(const Setup& setup, std::size_t joint) 
   return {1.0 / (twist * twist), 1.0 / (rate * rate)};
 }
 
-Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
+Run Problem::run_of(const Setup& setup, const Window& w) {
+  return {&setup, w.angle_rad, w.velocity_radps, w.rotor_more, w.rest_more_rad};
+}
+
+Eigen::MatrixXd Problem::simulated(std::span<const Run> runs, const Window& w) const {
   const std::size_t n = joints(), rows = w.last - w.first + 1;
-  std::vector<double> out(rows * n);
-  work_->steps += run(setup, recordings_[w.recording], w.first, w.last, w.angle_rad, w.velocity_radps, out,
-                      w.rotor_more, w.rest_more_rad);
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(w.measured.size());
+  std::vector<double> out(runs.size() * rows * n);
+  work_->steps += run(runs, recordings_[w.recording], w.first, w.last, out);
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(w.measured.size(), static_cast<Eigen::Index>(runs.size()));
   std::vector<double> count(bins_, 0.0);
   for (std::size_t k = 0; k < rows; ++k) {
     count[w.bin[k]] += 1.0;
-    for (std::size_t j = 0; j < n; ++j) mean(static_cast<Eigen::Index>(w.bin[k] * n + j)) += out[k * n + j];
+    for (std::size_t one = 0; one < runs.size(); ++one)
+      for (std::size_t j = 0; j < n; ++j)
+        mean(static_cast<Eigen::Index>(w.bin[k] * n + j), static_cast<Eigen::Index>(one)) +=
+            out[(one * rows + k) * n + j];
   }
   for (std::size_t b = 0; b < bins_; ++b)
     if (count[b] > 0.0)
-      mean.segment(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
+      mean.middleRows(static_cast<Eigen::Index>(b * n), static_cast<Eigen::Index>(n)) /= count[b];
   // A run that has flown apart says no more than that it is far off.
   return mean.unaryExpr([](double x) { return std::isfinite(x) ? std::clamp(x, -1e6, 1e6) : 1e6; });
+}
+
+Eigen::VectorXd Problem::simulated(const Setup& setup, const Window& w) const {
+  const Run one = run_of(setup, w);
+  return simulated(std::span(&one, 1), w);
 }
 
 Eigen::VectorXd Problem::residual(const Setup& setup, std::size_t window) const {
@@ -293,17 +304,26 @@ std::vector<Eigen::MatrixXd> Problem::columns(const Hypothesis& h,
   core::parallel_for(windows_.size(), threads_, [&](std::size_t i) {
     Eigen::MatrixXd& c = out[i];
     c.resize(static_cast<Eigen::Index>(bins_ * joints()), static_cast<Eigen::Index>(setups.size()));
-    for (const std::size_t k : run_column) {
-      // The simulation's change is minus the residual's.
-      const Eigen::VectorXd change = residuals[i] - residual(setups[k], i);
-      c.col(static_cast<Eigen::Index>(k)) = k < unknowns.size() ? change / step[k] : change;
-    }
-    for (std::size_t b = 0; b < to_both.size(); ++b) {
-      const auto k = static_cast<Eigen::Index>(to_both[b]);
-      c.col(k) = 0.5 * (c.col(k) + (residual(backward[b], i) - residuals[i]) / step[to_both[b]]);
+    const Window& w = windows_[i];
+    // The simulation's change is minus the residual's.
+    for (const std::size_t k : run_column)
+      if (k >= unknowns.size()) c.col(static_cast<Eigen::Index>(k)) = residuals[i] - residual(setups[k], i);
+    if (!unknowns.empty()) {
+      std::vector<Run> beside{run_of(base, w)};
+      for (std::size_t k = 0; k < unknowns.size(); ++k) beside.push_back(run_of(setups[k], w));
+      for (const Setup& s : backward) beside.push_back(run_of(s, w));
+      const Eigen::MatrixXd x = simulated(beside, w);
+      Eigen::MatrixXd change(x.rows(), static_cast<Eigen::Index>(unknowns.size()));
+      for (Eigen::Index k = 0; k < change.cols(); ++k)
+        change.col(k) = (x.col(k + 1) - x.col(0)) / step[static_cast<std::size_t>(k)];
+      for (std::size_t b = 0; b < to_both.size(); ++b) {
+        const auto k = static_cast<Eigen::Index>(to_both[b]);
+        const auto back = change.cols() + 1 + static_cast<Eigen::Index>(b);
+        change.col(k) = 0.5 * (change.col(k) + (x.col(0) - x.col(back)) / step[to_both[b]]);
+      }
+      c.leftCols(change.cols()) = weighted(i, change);
     }
     if (linear.empty()) return;
-    const Window& w = windows_[i];
     const Linearised run(base, recordings_[w.recording], w, torque_nm);
     work_->steps += run.steps();
     const Eigen::MatrixXd change = run.changes(linear);

@@ -120,9 +120,12 @@ class Problem {
   };
   /// What is known of an elastic drive's rotor at a window's start, beside where its own equation says that it is: angle, rate.
   Eigen::Vector2d rotor_precision(const Setup& setup, std::size_t joint) const;
+  static Run run_of(const Setup& setup, const Window& w);
+  /// Means over the window's bins, a column for each run. Runs that are nearly the first go beside it.
+  Eigen::MatrixXd simulated(std::span<const Run> runs, const Window& w) const;
   Eigen::VectorXd simulated(const Setup& setup, const Window& w) const;
   /// How the start moves what is simulated.
-  Start start_of(const Setup& setup, Window w, const Eigen::VectorXd& simulated) const;
+  Start start_of(const Setup& setup, const Window& w) const;
   /// The start with which `left` (not weighted) is least, less the measured one; by the linear problem.
   Eigen::VectorXd best_start(std::size_t window, const Eigen::VectorXd& left) const;
   /// What each bin's residual is worth: from what is left once the starts are fitted.

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "furcula/dynamics/tree/inverse_dynamics.hpp"
+#include "host/trees/batch_runner.hpp"
 #include "host/trees/rotor.hpp"
 
 namespace furcula::trees {
@@ -155,18 +157,12 @@ Linearised::Linearised(const Setup& of_all, const Recording& r, const Window& w,
   std::vector<std::size_t> with_state;  // joints whose drive's lag depends on the motion
   std::vector<std::size_t> elastic;
   Runner runner(setup);
-  runner.reset(w.angle_rad, w.velocity_radps);
+  runner.reset(r, w.first, w.angle_rad, w.velocity_radps);
   for (std::size_t i = 0; i < n; ++i) {
     inputs.emplace_back(r, i, w.last);
     const Setup::Joint& j = setup.joints[i];
-    if (setup.model.laws[i].elastic) {
-      const Rotor rotor = Rotor::at(setup, r, i, w.first);
-      runner.place_rotor(i, rotor.angle_rad(), rotor.rate_radps());
-      elastic.push_back(i);
-    }
-    if (j.lag_s <= 0.0) continue;
-    runner.settle_input(i, lagged_before(j, r, i, w.first));
-    if (j.law == ControlMode::position) with_state.push_back(i);
+    if (setup.model.laws[i].elastic) elastic.push_back(i);
+    if (j.lag_s > 0.0 && j.law == ControlMode::position) with_state.push_back(i);
   }
   const std::size_t rotors = 2 * n + with_state.size();
   const auto size = static_cast<Index>(rotors + 2 * elastic.size());
@@ -186,50 +182,86 @@ Linearised::Linearised(const Setup& of_all, const Recording& r, const Window& w,
   };
   std::vector<double> input(n);
   Runner::Place here = runner.place();
+  // The run, and those beside it that begin an interval elsewhere, or have a torque more: of what, and which column of it by what change.
+  struct Beside {
+    Runner::Place place;
+    std::size_t torque_at = 0;
+    Eigen::MatrixXd* of = nullptr;
+    Index column = 0;
+    double change = 0.0;
+  };
+  std::vector<Beside> all;
+  const std::vector<const Setup*> of_lanes(BatchRunner::kLanes, &setup);
+  std::vector<Runner::Place> places(BatchRunner::kLanes, here);
+  std::optional<BatchRunner> batch;
+  if (n <= BatchRunner::kMostJoints) batch.emplace(of_lanes, places);
+  const auto move_all = [&](std::span<const double> given) {
+    if (!batch) {
+      for (Beside& b : all) {
+        runner.go_to(b.place);
+        if (b.of == &intervals_.back().driven) runner.disturb(b.torque_at, b.change);
+        runner.advance(given, step_s_);
+        runner.disturb(b.torque_at, 0.0);
+        b.place = runner.place();
+      }
+      return;
+    }
+    const Runner::Place from = all.front().place;
+    for (std::size_t first = 1; first < all.size(); first += BatchRunner::kLanes - 1) {
+      const auto part = std::span(all).subspan(first, std::min(all.size() - first, BatchRunner::kLanes - 1));
+      places.assign(BatchRunner::kLanes, from);
+      for (std::size_t k = 0; k < part.size(); ++k) places[k + 1] = part[k].place;
+      batch->go_to(places);
+      const auto disturb = [&](double share) {
+        for (std::size_t k = 0; k < part.size(); ++k)
+          if (part[k].of == &intervals_.back().driven)
+            batch->disturb(k + 1, part[k].torque_at, share * part[k].change);
+      };
+      disturb(1.0);
+      batch->advance(given, step_s_);
+      disturb(0.0);
+      for (std::size_t k = 0; k < part.size(); ++k) part[k].place = batch->place(k + 1);
+      all.front().place = batch->place(0);
+    }
+  };
   for (std::size_t g = 0; g < count; ++g) {
     const double from = begin + static_cast<double>(g) * step_s_;
     for (std::size_t i = 0; i < n; ++i) {
       const double delay = setup.joints[i].delay_s;
       input[i] = inputs[i].mean(from - delay, from + step_s_ - delay);
     }
-    const auto moved = [&](const Runner::Place& start) {
-      runner.go_to(start);
-      runner.advance(input, step_s_);
-      return runner.place();
-    };
-    const Runner::Place next = moved(here);
-    const Eigen::VectorXd end = state(next);
     Interval& at = intervals_.emplace_back();
     at.carried = Eigen::MatrixXd::Zero(size, size);
     at.driven = Eigen::MatrixXd::Zero(size, static_cast<Index>(n));
+    all.assign(1, {here});
+    const auto change = [&](Index column, double by, auto&& number) {
+      Beside& b = all.emplace_back(Beside{here, 0, &at.carried, column, by});
+      number(b.place) += by;
+    };
     for (std::size_t i = 0; i < n; ++i) {
       const auto a = static_cast<Index>(i);
-      Runner::Place beside = here;
-      beside.plant.position_rad[i] += kAngle_rad;
-      at.carried.col(a) = (state(moved(beside)) - end) / kAngle_rad;
-      if (!here.plant.mode.held[i]) {
-        beside = here;
-        beside.plant.velocity_radps[i] += kVelocity_radps;
-        at.carried.col(a + static_cast<Index>(n)) = (state(moved(beside)) - end) / kVelocity_radps;
-      }
-      runner.disturb(i, torque_nm[i]);
-      at.driven.col(a) = (state(moved(here)) - end) / torque_nm[i];
-      runner.disturb(i, 0.0);
+      change(a, kAngle_rad, [i](Runner::Place& p) -> double& { return p.plant.position_rad[i]; });
+      if (!here.plant.mode.held[i])
+        change(a + static_cast<Index>(n), kVelocity_radps,
+               [i](Runner::Place& p) -> double& { return p.plant.velocity_radps[i]; });
+      all.push_back({here, i, &at.driven, a, torque_nm[i]});
     }
     for (std::size_t k = 0; k < with_state.size(); ++k) {
       const std::size_t i = with_state[k];
-      Runner::Place beside = here;
-      beside.lagged_nm[i] += torque_nm[i];
-      at.carried.col(static_cast<Index>(2 * n + k)) = (state(moved(beside)) - end) / torque_nm[i];
+      change(static_cast<Index>(2 * n + k), torque_nm[i],
+             [i](Runner::Place& p) -> double& { return p.lagged_nm[i]; });
     }
     for (std::size_t k = 0; k < elastic.size(); ++k) {
-      Runner::Place beside = here;
-      beside.plant.rotor_rad[elastic[k]] += kAngle_rad;
-      at.carried.col(static_cast<Index>(rotors + 2 * k)) = (state(moved(beside)) - end) / kAngle_rad;
-      beside = here;
-      beside.plant.rotor_radps[elastic[k]] += kVelocity_radps;
-      at.carried.col(static_cast<Index>(rotors + 2 * k + 1)) = (state(moved(beside)) - end) / kVelocity_radps;
+      const std::size_t i = elastic[k];
+      change(static_cast<Index>(rotors + 2 * k), kAngle_rad,
+             [i](Runner::Place& p) -> double& { return p.plant.rotor_rad[i]; });
+      change(static_cast<Index>(rotors + 2 * k + 1), kVelocity_radps,
+             [i](Runner::Place& p) -> double& { return p.plant.rotor_radps[i]; });
     }
+    move_all(input);
+    const Runner::Place next = all.front().place;
+    const Eigen::VectorXd end = state(next);
+    for (const Beside& b : std::span(all).subspan(1)) b.of->col(b.column) = (state(b.place) - end) / b.change;
     for (std::size_t i = 0; i < n; ++i) {
       const double v0 = here.plant.velocity_radps[i], v1 = next.plant.velocity_radps[i];
       at.position_rad[i] = 0.5 * (here.plant.position_rad[i] + next.plant.position_rad[i]);
@@ -242,7 +274,7 @@ Linearised::Linearised(const Setup& of_all, const Recording& r, const Window& w,
     here = next;
   }
 
-  steps_ = runner.steps();
+  steps_ = runner.steps() + (batch ? batch->steps() : 0);
 
   const std::size_t bins = static_cast<std::size_t>(w.measured.size()) / n;
   share_.assign(bins, std::vector<double>(count + 1));

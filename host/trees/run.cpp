@@ -8,6 +8,7 @@
 
 #include "furcula/dynamics/tree/foothold.hpp"
 #include "host/linear/linear.hpp"
+#include "host/trees/batch_runner.hpp"
 #include "host/trees/rotor.hpp"
 
 namespace furcula::trees {
@@ -44,12 +45,6 @@ SetupMaker::Body SetupMaker::body(std::size_t link, const model::UrdfInertia& in
   return {link, inertia.mass_kg, centre.at, turned_back(centre.turn, inertia.about_centre_kgm2)};
 }
 
-double passed(double lag_s, double dt_s, double in, double& state) {
-  const double before = state, left = std::exp(-dt_s / lag_s);
-  state = in + (before - in) * left;
-  return in + (before - in) * ((1.0 - left) * lag_s / dt_s);
-}
-
 double neutral_value(const TreeModel& model, Effect effect, std::size_t parameter, std::size_t site) {
   constexpr double kAny = std::numeric_limits<double>::quiet_NaN();
   switch (effect) {
@@ -80,6 +75,7 @@ double neutral_value(const TreeModel& model, Effect effect, std::size_t paramete
   }
 }
 
+template <>
 bool Setup::differs_by_torque(const Setup& other) const {
   if (!by_phase || foot.joint < 0) return true;
   if (extension_m != other.extension_m) return false;
@@ -323,16 +319,6 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
   return out;
 }
 
-Runner::Runner(const Setup& setup)
-    : setup_(setup),
-      plant_(setup.model, setup.longest_step_s),
-      lagged_(setup.joints.size()),
-      disturbance_(setup.joints.size()),
-      torque_(setup.joints.size()),
-      acceleration_(setup.joints.size()) {
-  for (const Setup::Joint& j : setup.joints) stepwise_ |= j.stepwise;
-}
-
 void Runner::reset(std::span<const double> angle_rad, std::span<const double> velocity_radps) {
   Plant::Joints q{}, v{};
   for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
@@ -340,8 +326,7 @@ void Runner::reset(std::span<const double> angle_rad, std::span<const double> ve
     v[i] = velocity_radps[i];
   }
   if (setup_.model.foothold.joint >= 0) follow(q, v);
-  plant_.reset(q, v);
-  std::fill(acceleration_.begin(), acceleration_.end(), 0.0);
+  start(q, v);
 }
 
 void Runner::follow(const Plant::Joints& q, Plant::Joints& v) const {
@@ -360,25 +345,6 @@ void Runner::follow(const Plant::Joints& q, Plant::Joints& v) const {
   const Eigen::VectorXd rates =
       linear::least_norm(by, Eigen::Vector3d(-Eigen::Vector3d(left.x, left.y, left.z)));
   for (std::size_t k = 0; k < led.size(); ++k) v[led[k]] = rates(static_cast<Eigen::Index>(k));
-}
-
-void Runner::go_to(const Place& place) {
-  plant_.go_to(place.plant);
-  lagged_ = place.lagged_nm;
-  acceleration_ = place.acceleration_radps2;
-}
-
-double asked_torque(const Setup::Joint& j, double input, double measured_rad, double velocity_radps) {
-  if (j.law == ControlMode::torque) return input;
-  return j.kp_nmprad * (input - measured_rad) - j.kd_nmsprad * velocity_radps;
-}
-
-double made_torque(const Setup::Joint& j, double asked_nm, double measured_rad) {
-  double torque = j.gain * asked_nm;
-  if (j.limit_nm > 0.0) torque = std::clamp(torque, -j.limit_nm, j.limit_nm);
-  if (j.ripple_nm != 0.0)
-    torque += j.ripple_nm * std::sin(j.ripple_cycles * measured_rad + j.ripple_phase_rad);
-  return torque;
 }
 
 std::size_t row_in_force(const Setup::Joint& j, const Recording& r, std::size_t first) {
@@ -407,85 +373,35 @@ double lagged_before(const Setup::Joint& j, const Recording& r, std::size_t join
   return out;
 }
 
-/// What the drive adds to the joint's spring and damper over the next step; what these and the dry friction are in it.
-double Runner::spring_torque(std::size_t i, double input, double dt_s) {
-  const Setup::Joint& j = setup_.joints[i];
-  const double ahead = measured(i) + velocity(i) * 0.5 * dt_s;
-  const double asked = asked_torque(j, input, ahead, velocity(i)), made = made_torque(j, asked, ahead);
-  const bool limited = j.limit_nm > 0.0 && std::abs(j.gain * asked) > j.limit_nm;
-  dynamics::tree::JointLaw<double> law = setup_.model.laws[i];
-  law.rest_rad = input - j.encoder_offset_rad;
-  if (limited) {
-    law.stiffness_nmprad -= j.gain * j.kp_nmprad;
-    law.damping_nmspr -= j.gain * j.kd_nmsprad;
-  }
-  // The friction of the load is of the whole drive's torque.
-  const double load = law.load_friction_ratio * std::abs(made + j.offset_nm + disturbance_[i]);
-  law.load_friction_ratio = 0.0;
-  law.friction_nm += load;
-  law.friction_back_nm += load;
-  if (law.static_friction_nm > 0.0) law.static_friction_nm += load;
-  plant_.set_law(i, law);
-  return limited ? made : made - j.gain * asked;
-}
-
-void Runner::advance(std::span<const double> input, double dt_s) {
-  constexpr double kStepwise = 1e-3;
-  const int parts = stepwise_ ? std::max(1, static_cast<int>(std::ceil(dt_s / kStepwise - 1e-9))) : 1;
-  const double dt = dt_s / parts;
-  std::fill(torque_.begin(), torque_.end(), 0.0);
-  for (int part = 0; part < parts; ++part) {
-    Plant::Joints tau{};
-    for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
-      const Setup::Joint& j = setup_.joints[i];
-      double drive = 0.0;
-      if (is_spring(j)) {
-        plant_.set_rest(i, input[i] - j.encoder_offset_rad);
-        drive = j.gain * asked_torque(j, input[i], measured(i), velocity(i));
-        if (j.stepwise) tau[i] = spring_torque(i, input[i], dt);
-      } else {
-        const double ahead = measured(i) + velocity(i) * 0.5 * dt;
-        // A velocity of half a step ago would count as inertia.
-        const double gained = j.lag_s > 0.0 ? 0.5 * dt * acceleration_[i] : 0.0;
-        double asked = asked_torque(j, input[i], ahead, velocity(i) + gained);
-        if (j.lag_s > 0.0) asked = passed(j.lag_s, dt, asked, lagged_[i]);
-        drive = made_torque(j, asked, ahead);
-        tau[i] = drive;
-      }
-      tau[i] += j.offset_nm + disturbance_[i];
-      torque_[i] += drive / parts;
-    }
-    const Plant::Joints before = plant_.velocities();
-    plant_.advance(tau, dt);
-    for (std::size_t i = 0; i < setup_.joints.size(); ++i) acceleration_[i] = (velocity(i) - before[i]) / dt;
+void Runner::reset(const Recording& r, std::size_t first, std::span<const double> angle_rad,
+                   std::span<const double> velocity_radps, std::span<const double> rotor_more) {
+  reset(angle_rad, velocity_radps);
+  const std::size_t n = setup_.joints.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Setup::Joint& j = setup_.joints[i];
+    if (j.lag_s > 0.0) settle_input(i, lagged_before(j, r, i, first));
+    if (!setup_.model.laws[i].elastic) continue;
+    const Rotor rotor = Rotor::at(setup_, r, i, first);
+    const bool more = !rotor_more.empty();
+    place_rotor(i, rotor.angle_rad() + (more ? rotor_more[i] : 0.0),
+                rotor.rate_radps() + (more ? rotor_more[n + i] : 0.0));
   }
 }
 
-std::size_t run(const Setup& of_all, const Recording& r, std::size_t first, std::size_t last,
-                std::span<const double> angle_rad, std::span<const double> velocity_radps,
-                std::span<double> out, std::span<const double> rotor_more,
-                std::span<const double> rest_more_rad) {
-  Setup setup = in_phase(of_all, r, first);
-  for (std::size_t i = 0; i < rest_more_rad.size(); ++i)
-    setup.model.laws[i].one_way_rest_rad += rest_more_rad[i];
+namespace {
+
+/// Moves `runner`, whose delays `setup` has, from row to row of the recording, and calls `at_row(k)` in each after the first.
+template <class R, class F>
+void follow_rows(R& runner, const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
+                 const F& at_row) {
   const std::size_t n = setup.joints.size();
-  Runner runner(setup);
-  runner.reset(angle_rad, velocity_radps);
   std::vector<std::size_t> row(n);  // whose input is in force
   std::vector<double> input(n);
   bool delayed = false;
   for (std::size_t i = 0; i < n; ++i) {
-    const Setup::Joint& j = setup.joints[i];
-    delayed |= j.delay_s != 0.0;
-    row[i] = row_in_force(j, r, first);
-    if (j.lag_s > 0.0) runner.settle_input(i, lagged_before(j, r, i, first));
-    if (!setup.model.laws[i].elastic) continue;
-    const Rotor rotor = Rotor::at(setup, r, i, first);
-    const bool more = !rotor_more.empty();
-    runner.place_rotor(i, rotor.angle_rad() + (more ? rotor_more[i] : 0.0),
-                       rotor.rate_radps() + (more ? rotor_more[n + i] : 0.0));
+    delayed |= setup.joints[i].delay_s != 0.0;
+    row[i] = row_in_force(setup.joints[i], r, first);
   }
-  for (std::size_t i = 0; i < n; ++i) out[i] = runner.measured(i);
   for (std::size_t k = first; k < last; ++k) {
     double now = r.time_s[k];
     const double end = r.time_s[k + 1];
@@ -505,9 +421,81 @@ std::size_t run(const Setup& of_all, const Recording& r, std::size_t first, std:
       runner.advance(input, until - now);
       now = until;
     }
-    for (std::size_t i = 0; i < n; ++i) out[(k + 1 - first) * n + i] = runner.measured(i);
+    at_row(k + 1);
   }
-  return runner.steps();
+}
+
+}  // namespace
+
+std::size_t run(std::span<const Run> runs, const Recording& r, std::size_t first, std::size_t last,
+                std::span<double> out) {
+  std::vector<Setup> setups;
+  setups.reserve(runs.size());
+  for (const Run& one : runs) {
+    Setup& s = setups.emplace_back(in_phase(*one.setup, r, first));
+    for (std::size_t i = 0; i < one.rest_more_rad.size(); ++i)
+      s.model.laws[i].one_way_rest_rad += one.rest_more_rad[i];
+  }
+  const std::size_t n = setups.front().joints.size(), size = (last - first + 1) * n;
+  std::vector<std::size_t> alone, beside;
+  for (std::size_t k = 1; k < runs.size(); ++k)
+    (BatchRunner::fits(setups[0], setups[k]) ? beside : alone).push_back(k);
+  std::size_t steps = 0;
+  // Of few runs each is quicker by itself than all lanes.
+  constexpr std::size_t kLeast = 2;
+  if (beside.size() < kLeast) {
+    alone.insert(alone.end(), beside.begin(), beside.end());
+    beside.clear();
+    alone.push_back(0);
+  }
+  for (const std::size_t k : alone) {
+    Runner runner(setups[k]);
+    runner.reset(r, first, runs[k].angle_rad, runs[k].velocity_radps, runs[k].rotor_more);
+    const auto read = [&](std::size_t row) {
+      for (std::size_t i = 0; i < n; ++i) out[k * size + (row - first) * n + i] = runner.measured(i);
+    };
+    read(first);
+    follow_rows(runner, setups[k], r, first, last, read);
+    steps += runner.steps();
+  }
+  for (std::size_t from = 0; from < beside.size(); from += BatchRunner::kLanes - 1) {
+    std::vector<std::size_t> of_lane{0};
+    for (std::size_t k = from; k < std::min(beside.size(), from + BatchRunner::kLanes - 1); ++k)
+      of_lane.push_back(beside[k]);
+    std::vector<const Setup*> of_lanes;
+    std::vector<Runner::Place> starts;
+    for (const std::size_t k : of_lane) {
+      of_lanes.push_back(&setups[k]);
+      Runner start(setups[k]);
+      start.reset(r, first, runs[k].angle_rad, runs[k].velocity_radps, runs[k].rotor_more);
+      starts.push_back(start.place());
+    }
+    BatchRunner runner(of_lanes, starts);
+    const auto read = [&](std::size_t row) {
+      for (std::size_t lane = 0; lane < of_lane.size(); ++lane)
+        for (std::size_t i = 0; i < n; ++i)
+          out[of_lane[lane] * size + (row - first) * n + i] = runner.measured(lane, i);
+    };
+    read(first);
+    follow_rows(runner, setups[0], r, first, last, read);
+    steps += runner.steps();
+  }
+  return steps;
+}
+
+std::size_t run(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
+                std::span<const double> angle_rad, std::span<const double> velocity_radps,
+                std::span<double> measured) {
+  const Run one{.setup = &setup, .angle_rad = angle_rad, .velocity_radps = velocity_radps};
+  return run(std::span(&one, 1), r, first, last, measured);
 }
 
 }  // namespace furcula::trees
+
+template class furcula::trees::RunnerOf<double, furcula::model::RobotShape>;
+template class furcula::dynamics::tree::Plant<double, furcula::model::RobotShape>;
+template void furcula::dynamics::tree::forward_dynamics(
+    const furcula::model::RobotModel&, const furcula::model::RobotModel::Joints&,
+    const furcula::model::RobotModel::Joints&, const furcula::model::RobotModel::Joints&,
+    const furcula::model::RobotModel::Flags&,
+    furcula::dynamics::tree::Accelerations<furcula::model::RobotModel>&);

@@ -25,7 +25,7 @@ constexpr double kOfNoise = 0.25;
 
 }  // namespace
 
-Problem::Start Problem::start_of(const Setup& setup, Window w, const Eigen::VectorXd& base) const {
+Problem::Start Problem::start_of(const Setup& setup, const Window& w) const {
   const std::size_t n = joints();
   std::vector<std::size_t> elastic, caught;  // joints with elastic drives, with switched springs
   for (std::size_t j = 0; j < n; ++j) {
@@ -33,40 +33,42 @@ Problem::Start Problem::start_of(const Setup& setup, Window w, const Eigen::Vect
     if (setup.joints[j].switched) caught.push_back(j);
   }
   const Phase& phase = recordings_[w.recording].phase_at(w.first);
-  const std::size_t rests = phase.stance ? caught.size() : 0;
+  if (!phase.stance) caught.clear();
+  const std::size_t count = 2 * (n + elastic.size()) + caught.size();
   Start s;
-  s.columns.resize(base.size(), static_cast<Eigen::Index>(2 * (n + elastic.size()) + rests));
-  s.precision.resize(s.columns.cols());
+  s.precision.resize(static_cast<Eigen::Index>(count));
   s.precision.head(static_cast<Eigen::Index>(2 * n)) = w.start_precision;
-  for (std::size_t k = 0; k < 2 * n; ++k) {
-    std::vector<double>& x = k < n ? w.angle_rad : w.velocity_radps;
-    const double step = k < n ? 1e-5 : 1e-4, before = x[k % n];
-    x[k % n] += step;
-    s.columns.col(static_cast<Eigen::Index>(k)) = (simulated(setup, w) - base) / step;
-    x[k % n] = before;
-  }
+  std::vector<Window> moved(count, w);
+  std::vector<double> step(count);
+  const auto move = [&](std::size_t k, double& number, double by) {
+    number += by;
+    step[k] = by;
+  };
+  for (std::size_t k = 0; k < 2 * n; ++k)
+    move(k, (k < n ? moved[k].angle_rad : moved[k].velocity_radps)[k % n], k < n ? 1e-5 : 1e-4);
   // What the rotor of an elastic drive does at the start is known from before, but not well: it is a start too.
-  w.rotor_more.assign(elastic.empty() ? 0 : 2 * n, 0.0);
-  for (std::size_t k = 0; k < 2 * elastic.size(); ++k) {
-    const std::size_t j = elastic[k / 2];
-    const double precision = rotor_precision(setup, j)(static_cast<Eigen::Index>(k % 2)),
-                 size_of = 1.0 / std::sqrt(precision);
-    double& x = w.rotor_more[k % 2 == 0 ? j : n + j];
-    x = 0.1 * size_of;
-    const auto column = static_cast<Eigen::Index>(2 * n + k);
-    s.columns.col(column) = (simulated(setup, w) - base) / x;
-    s.precision(column) = precision;
-    x = 0.0;
+  for (std::size_t e = 0; e < 2 * elastic.size(); ++e) {
+    const std::size_t j = elastic[e / 2], k = 2 * n + e;
+    const double precision = rotor_precision(setup, j)(static_cast<Eigen::Index>(e % 2));
+    s.precision(static_cast<Eigen::Index>(k)) = precision;
+    moved[k].rotor_more.assign(2 * n, 0.0);
+    move(k, moved[k].rotor_more[e % 2 == 0 ? j : n + j], 0.1 / std::sqrt(precision));
   }
   // Where a spring caught is known no better than the touch-down.
-  w.rest_more_rad.assign(rests > 0 ? n : 0, 0.0);
-  for (std::size_t k = 0; k < rests; ++k) {
-    const double sd = phase.touchdown_sd_rad[caught[k]];
-    w.rest_more_rad[caught[k]] = sd;
-    const auto column = static_cast<Eigen::Index>(2 * (n + elastic.size()) + k);
-    s.columns.col(column) = (simulated(setup, w) - base) / sd;
-    s.precision(column) = 1.0 / (sd * sd);
-    w.rest_more_rad[caught[k]] = 0.0;
+  for (std::size_t c = 0; c < caught.size(); ++c) {
+    const double sd = phase.touchdown_sd_rad[caught[c]];
+    const std::size_t k = 2 * (n + elastic.size()) + c;
+    s.precision(static_cast<Eigen::Index>(k)) = 1.0 / (sd * sd);
+    moved[k].rest_more_rad.assign(n, 0.0);
+    move(k, moved[k].rest_more_rad[caught[c]], sd);
+  }
+  std::vector<Run> runs{run_of(setup, w)};
+  for (const Window& m : moved) runs.push_back(run_of(setup, m));
+  const Eigen::MatrixXd x = simulated(runs, w);
+  s.columns.resize(x.rows(), static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    s.columns.col(column) = (x.col(column + 1) - x.col(0)) / step[k];
   }
   return s;
 }
@@ -133,7 +135,7 @@ void Problem::weigh(const Hypothesis& h, const Hypothesis* of_starts) {
   starts_.assign(windows_.size(), {});
   const auto start_at = [&](std::size_t i) {
     const Window& w = windows_[i];
-    starts_[i] = start_of(setup, w, simulated(setup, w));
+    starts_[i] = start_of(setup, w);
     left[i] = w.measured - simulated(weighed, w);
     if (w.start_more.size() > 0) left[i] += starts_[i].columns.leftCols(w.start_more.size()) * w.start_more;
   };

@@ -48,6 +48,33 @@ struct JointLaw {
   friend bool operator==(const JointLaw&, const JointLaw&) = default;
 };
 
+/// The law with another scalar: `number` makes it of a pointer to a member of `law` that is not a flag.
+template <class T, class U, class F>
+JointLaw<T> joint_law_of(const JointLaw<U>& law, const F& number) {
+  using Law = JointLaw<U>;
+  return {.armature_kgm2 = number(&Law::armature_kgm2),
+          .damping_nmspr = number(&Law::damping_nmspr),
+          .stiffness_nmprad = number(&Law::stiffness_nmprad),
+          .rest_rad = number(&Law::rest_rad),
+          .one_way_nmprad = number(&Law::one_way_nmprad),
+          .one_way_rest_rad = number(&Law::one_way_rest_rad),
+          .two_sided = law.two_sided,
+          .friction_nm = number(&Law::friction_nm),
+          .static_friction_nm = number(&Law::static_friction_nm),
+          .elastic = law.elastic,
+          .drive_stiffness_nmprad = number(&Law::drive_stiffness_nmprad),
+          .drive_damping_nmspr = number(&Law::drive_damping_nmspr),
+          .rotor_damping_nmspr = number(&Law::rotor_damping_nmspr),
+          .friction_back_nm = number(&Law::friction_back_nm),
+          .asymmetric = law.asymmetric,
+          .stribeck_velocity_radps = number(&Law::stribeck_velocity_radps),
+          .load_friction_ratio = number(&Law::load_friction_ratio),
+          .binding_friction_nm = number(&Law::binding_friction_nm),
+          .binding_centre_rad = number(&Law::binding_centre_rad),
+          .binding_width_rad = number(&Law::binding_width_rad),
+          .drag_nms2prad2 = number(&Law::drag_nms2prad2)};
+}
+
 /// A point of a body that is fixed in the world: a stance foot that neither slips nor lifts off.
 template <class V>
 struct Foothold {
@@ -81,36 +108,19 @@ class Model {
   Foothold<V> foothold;                       ///< of the stance foot, if any
 
   Model() = default;
-  /// The same tree with another scalar. Conversion from dual to plain numbers keeps the values only.
-  template <class U>
-  requires(!std::is_same_v<U, T>) explicit Model(const Model<U, P>& m)
+  /// The same tree with another scalar, or with another topology that has room for it. Conversion from dual to plain numbers keeps the
+  /// values only.
+  template <class U, Topology Q>
+  requires(!std::is_same_v<U, T> || !std::is_same_v<P, Q>) explicit Model(const Model<U, Q>& m)
       : gravity_mps2(vec<T>(m.gravity_mps2)),
         foothold{m.foothold.joint, vec<V>(m.foothold.at_m)},
-        shape_(m.shape()),
         placed_(m.count()) {
+    if constexpr (std::is_same_v<P, Q>)
+      shape_ = m.shape();
+    else
+      for (std::size_t i = 0; i < m.count(); ++i) shape_.add({m.shape().parent(i), m.shape().kind(i)});
     for (std::size_t i = 0; i < m.count(); ++i) {
-      const JointLaw<U>& l = m.laws[i];
-      laws[i] = {.armature_kgm2 = as<T>(l.armature_kgm2),
-                 .damping_nmspr = as<T>(l.damping_nmspr),
-                 .stiffness_nmprad = as<T>(l.stiffness_nmprad),
-                 .rest_rad = as<T>(l.rest_rad),
-                 .one_way_nmprad = as<T>(l.one_way_nmprad),
-                 .one_way_rest_rad = as<T>(l.one_way_rest_rad),
-                 .two_sided = l.two_sided,
-                 .friction_nm = as<T>(l.friction_nm),
-                 .static_friction_nm = as<T>(l.static_friction_nm),
-                 .elastic = l.elastic,
-                 .drive_stiffness_nmprad = as<T>(l.drive_stiffness_nmprad),
-                 .drive_damping_nmspr = as<T>(l.drive_damping_nmspr),
-                 .rotor_damping_nmspr = as<T>(l.rotor_damping_nmspr),
-                 .friction_back_nm = as<T>(l.friction_back_nm),
-                 .asymmetric = l.asymmetric,
-                 .stribeck_velocity_radps = as<T>(l.stribeck_velocity_radps),
-                 .load_friction_ratio = as<T>(l.load_friction_ratio),
-                 .binding_friction_nm = as<T>(l.binding_friction_nm),
-                 .binding_centre_rad = as<T>(l.binding_centre_rad),
-                 .binding_width_rad = as<T>(l.binding_width_rad),
-                 .drag_nms2prad2 = as<T>(l.drag_nms2prad2)};
+      laws[i] = joint_law_of<T>(m.laws[i], [&](auto coefficient) { return as<T>(m.laws[i].*coefficient); });
       aligned_[i] = plain(m.aligned(i));
       tree_[i] = plain(m.tree(i));
       const Inertia<U>& b = m.aligned_inertia(i);
@@ -159,6 +169,9 @@ class Model {
   Inertia<T> body(std::size_t i) const {
     return inertia_back(Frame<V>{aligned_[i].turn, {V(0), V(0), V(0)}}, bodies_[i]);
   }
+
+  /// Sets the inertia of body i, in its aligned frame.
+  void set_aligned_inertia(std::size_t i, const Inertia<T>& body) { bodies_[i] = body; }
 
   /// Increases the distance of joint i from its parent's joint by `by_m`, in the same direction; no effect at distance zero.
   void extend(std::size_t i, V by_m) {

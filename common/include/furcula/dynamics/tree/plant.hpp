@@ -79,7 +79,8 @@ class Plant {
   /// Replaces damping, springs and friction of the joint; the step stays that of reset().
   void set_law(std::size_t joint, const JointLaw<T>& law) {
     model_.laws[joint] = law;
-    if constexpr (!kPlain) plain_ = Model<V, P>(model_);
+    if constexpr (!kPlain)
+      plain_.laws[joint] = joint_law_of<V>(law, [&](auto coefficient) { return value_of(law.*coefficient); });
     dry_ |= is_dry(law);
   }
 

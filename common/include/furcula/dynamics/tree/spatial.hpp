@@ -122,7 +122,7 @@ constexpr Sym3<T> less_outer(const Sym3<T>& s, const Vec3<T>& u, const T& d) {
 }
 /// m' s m: where m is a frame's `turn`, a matrix in the frame's axes, in the parent's.
 template <class A, class B>
-constexpr Sym3<Product<A, B>> turned_back(const Mat3<A>& m, const Sym3<B>& s) {
+[[gnu::always_inline]] constexpr Sym3<Product<A, B>> turned_back(const Mat3<A>& m, const Sym3<B>& s) {
   using P = Product<A, B>;
   const Vec3<A> cx{m.x.x, m.y.x, m.z.x}, cy{m.x.y, m.y.y, m.z.y}, cz{m.x.z, m.y.z, m.z.z};
   const Vec3<P> sx = s * cx, sy = s * cy, sz = s * cz;
