@@ -64,7 +64,7 @@ using Progress =
     std::function<void(double, std::string_view)>;  ///< share that is done, and what is being done
 
 /// A search, one that begins with the common laws, and judging what was found end after so many times the steps of integration that led to the
-/// first point. Usual ones take 3 to 30.
+/// first point. Chosen by what it takes at most: about as long as 20 did when each run of a derivative went by itself.
 inline constexpr std::size_t kMostWork = 60;
 
 /// `coarse`, the same recordings in short windows, is used where the model as given is grossly wrong; it may be null.
