@@ -7,6 +7,7 @@
 
 #include "furcula/dynamics/tree/plant.hpp"
 #include "host/identify/dual.hpp"
+#include "host/trees/run.hpp"
 #ifdef FURCULA_MUJOCO
 #include <mujoco/mujoco.h>
 #endif
@@ -118,6 +119,47 @@ void tree_step_with_all_laws(benchmark::State& state) {
                .drag_nms2prad2 = 0.01});
 }
 BENCHMARK(tree_step_with_all_laws);
+
+/// A run of 0.4 s in dry friction and seven of nearly the same tree, as a fit's derivatives are.
+void tree_nearly_equal_runs(benchmark::State& state, bool in_lanes) {
+  using namespace furcula::trees;
+  const auto joints = static_cast<std::size_t>(state.range(0));
+  Recording r;
+  r.interval_s = 0.004;
+  r.input.resize(joints);
+  for (std::size_t k = 0; k <= 100; ++k) {
+    r.time_s.push_back(r.interval_s * static_cast<double>(k));
+    for (auto& input : r.input) input.push_back(std::sin(9.0 * r.time_s.back()));
+  }
+  std::vector<Setup> setups(8);
+  const std::vector<double> angle(joints, 0.3), velocity(joints, 0.5);
+  std::vector<Run> runs;
+  for (std::size_t k = 0; k < setups.size(); ++k) {
+    setups[k].model = chain<furcula::model::RobotModel>(joints);
+    for (std::size_t i = 0; i < joints; ++i)
+      setups[k].model.laws[i].friction_nm = 0.1 + 1e-6 * static_cast<double>(k);
+    setups[k].joints.resize(joints);
+    runs.push_back({&setups[k], angle, velocity});
+  }
+  std::vector<double> out(runs.size() * r.time_s.size() * joints);
+  for (auto _ : state) {
+    if (in_lanes)
+      run(runs, r, 0, r.time_s.size() - 1, out);
+    else
+      for (const Run& one : runs) run(std::span(&one, 1), r, 0, r.time_s.size() - 1, out);
+    benchmark::DoNotOptimize(out.data());
+  }
+}
+void tree_runs_one_by_one(benchmark::State& state) {
+  state.SetLabel("eight runs of 0.4 s, nearly equal, of so many joints in dry friction");
+  tree_nearly_equal_runs(state, false);
+}
+BENCHMARK(tree_runs_one_by_one)->Arg(2)->Arg(6)->Unit(benchmark::kMicrosecond);
+void tree_runs_in_lanes(benchmark::State& state) {
+  state.SetLabel("the same in lanes");
+  tree_nearly_equal_runs(state, true);
+}
+BENCHMARK(tree_runs_in_lanes)->Arg(2)->Arg(6)->Unit(benchmark::kMicrosecond);
 
 /// Six joints of which the outermost's tip stands.
 void tree_step_on_a_foot(benchmark::State& state) {

@@ -51,6 +51,13 @@ FURCULA_INLINE LedBatch<V, N> sqrt(const LedBatch<V, N>& x) {
   return LedBatch<V, N>(dynamics::square_root(x.lanes));
 }
 
+/// Where the first lane hardly crosses, the others' times would be far from it: they keep to the step.
+template <class V, int N>
+FURCULA_INLINE LedBatch<V, N> inside_step(const LedBatch<V, N>& time, const LedBatch<V, N>& step) {
+  using dynamics::larger, dynamics::smaller;
+  return LedBatch<V, N>(larger(smaller(time.lanes, step.lanes), dynamics::SimdBatch<V, N>(V(0))));
+}
+
 namespace detail {
 
 /// How far the lanes are from the first.

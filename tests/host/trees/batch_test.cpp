@@ -52,6 +52,18 @@ TEST_CASE("Sines and cosines of a batch are those of its numbers, near the first
     }
 }
 
+TEST_CASE("Lanes whose change would be far from the first one's keep to the step") {
+  Batch time(1e-3), step(2e-3);
+  time.lanes.set(1, 1.5e-3);
+  time.lanes.set(2, 0.3);
+  time.lanes.set(3, -0.3);
+  const Batch kept = inside_step(time, step);
+  CHECK(kept.lanes[0] == 1e-3);
+  CHECK(kept.lanes[1] == 1.5e-3);
+  CHECK(kept.lanes[2] == 2e-3);
+  CHECK(kept.lanes[3] == 0.0);
+}
+
 TEST_CASE("Runs in lanes are those runs") {
   const std::vector<Case> cases{
       {"bodies alone", kTorque, 0.8, {{Effect::mass_error, {2}, {1.2, 0, 0, 0}}}},

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "host/trees/batch_runner.hpp"
 #include "host/trees/hypothesis.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/trees/robot.hpp"
 
 using namespace furcula;
@@ -47,6 +49,31 @@ struct Case {
 };
 
 }  // namespace
+
+TEST_CASE("A tree of more joints than lanes carry is made linear all the same") {
+  std::string urdf = "<robot name=\"chain\"><link name=\"base\"/>";
+  const std::size_t joints = trees::BatchRunner::kMostJoints + 1;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const std::string k = std::to_string(i);
+    urdf +=
+        "<link name=\"l" + k +
+        "\"><inertial><origin xyz=\"0 0 0.1\"/><mass value=\"0.5\"/><inertia ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" "
+        "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link><joint name=\"j" +
+        k + "\" type=\"continuous\"><parent link=\"" + (i == 0 ? "base" : "l" + std::to_string(i - 1)) +
+        "\"/><child link=\"l" + k + "\"/><origin xyz=\"0 0 0.2\"/><axis xyz=\"" +
+        (i % 2 == 0 ? "1 0 0" : "0 1 0") + "\"/></joint>";
+  }
+  const test::Folder folder;
+  folder.write("robot.urdf", urdf + "</robot>");
+  const trees::TreeModel model = trees::parse_tree_model(
+      "[model]\nkind = \"tree\"\nschema = 1\nurdf = \"robot.urdf\"\n[drive]\ncontrol_mode = \"torque\"\n",
+      folder.file("robot.toml"));
+  const std::vector<trees::Recording> all{
+      test::inputs(model, 1.0, 0.004, [](std::size_t, double t) { return 0.1 * std::sin(9.0 * t); })};
+  trees::Window w = trees::windows_of(model, all, 0.2)[1];
+  CHECK(off(model, all[0], w, {}, {{Effect::force_offset, {3}, {0.001, 0, 0, 0}}}) < 0.05);
+  CHECK(off(model, all[0], w, {}, {{Effect::torque_gain_error, {12}, {1.01, 0, 0, 0}}}) < 0.05);
+}
 
 TEST_CASE("A window made linear changes with each cause as its runs do") {
   const Case cases[] = {

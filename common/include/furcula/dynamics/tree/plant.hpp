@@ -13,6 +13,13 @@
 
 namespace furcula::dynamics::tree {
 
+/// The time of a change as it is used in a step over `step`: of a batch, whose lanes have times of their own, no lane's is outside of it.
+template <class T>
+constexpr const T& inside_step(const T& time, const T& step) {
+  static_cast<void>(step);
+  return time;
+}
+
 /// A tree with dry friction and elastic drives. The torque is constant over an advance(). Between changes of the
 /// friction mode the steps are classic Runge-Kutta (error of fourth order). A joint that comes to rest, the break-away of
 /// a held joint and the edges of binding spots are located inside the step; their times have derivatives
@@ -276,7 +283,7 @@ class Plant {
       const V rate = (value(time + probe) - value(time - probe)) / (V(2) * probe);
       if (rate == V(0)) return T(time);
       const T there = margins(model_, after(model_, state_, torque, T(time)), torque)[i];
-      return T(time) - (there - value_of(there)) / rate;
+      return inside_step(T(T(time) - (there - value_of(there)) / rate), to);
     }
   }
 
