@@ -50,7 +50,7 @@ Eigen::MatrixXd of_any_motion(const trees::TreeModel& m, const std::vector<Subje
   constexpr std::size_t kStates = 120;
   const std::size_t n = m.joints();
   const trees::SetupMaker maker(m);
-  const auto given = maker.make(m.drives, m.causes);
+  const auto given = maker.make({m.drives, m.causes});
   core::Random random(1, 1);
   std::vector<model::RobotModel::Joints> q(kStates), v(kStates), a(kStates);
   for (std::size_t k = 0; k < kStates; ++k)
@@ -63,7 +63,7 @@ Eigen::MatrixXd of_any_motion(const trees::TreeModel& m, const std::vector<Subje
   for (const Subject& s : subjects)
     for (std::size_t i = 0; i < s.numbers.size(); ++i) {
       const auto& h = s.numbers[i].changed;
-      const auto changed = maker.make(h.drives, h.causes, h.bodies);
+      const auto changed = maker.make(h);
       for (std::size_t k = 0; k < kStates; ++k) {
         const auto with = dynamics::tree::inverse_dynamics(changed.model, q[k], v[k], a[k]),
                    without = dynamics::tree::inverse_dynamics(given.model, q[k], v[k], a[k]);
@@ -269,7 +269,7 @@ class Checker {
 /// Given values at a bound have no interval there: they are moved off it by a little.
 trees::Hypothesis off_bounds(const trees::Problem& problem, trees::Hypothesis at) {
   for (const trees::Unknown& u : trees::unknowns_of(problem.model(), problem.scales(), at)) {
-    if (u.of_body) continue;
+    if (u.of_body || u.of_inputs) continue;
     const double apart = std::min(2e-3 * u.scale, 0.25 * (u.upper - u.lower));
     trees::set_value(at, u, std::clamp(trees::value_of(at, u), u.lower + apart, u.upper - apart));
   }

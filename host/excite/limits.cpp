@@ -30,7 +30,7 @@ std::string unit_of(const trees::TreeModel& m, std::size_t joint, std::size_t ke
 /// The robot without its drives.
 class Holding {
  public:
-  explicit Holding(const trees::TreeModel& m) : tree_(trees::SetupMaker(m).make(m.drives, m.causes).model) {
+  explicit Holding(const trees::TreeModel& m) : tree_(trees::SetupMaker(m).make({m.drives, m.causes}).model) {
     for (std::size_t j = 0; j < m.joints(); ++j)
       if (m.drives[j].law == trees::ControlMode::position) {
         tree_.laws[j].stiffness_nmprad -= m.drives[j].kp_nmprad;

@@ -41,7 +41,7 @@ void add(Extremes& e, bool first, double q, double v, double torque) {
 
 std::vector<Extremes> on_paths(const trees::TreeModel& m, const trees::Scenario& s, double step_s) {
   const std::size_t n = m.joints();
-  const auto tree = trees::SetupMaker(m).make(m.drives, m.causes).model;
+  const auto tree = trees::SetupMaker(m).make({m.drives, m.causes}).model;
   std::vector<Extremes> out(n);
   const auto looks = static_cast<std::size_t>(std::ceil(s.duration_s / step_s));
   for (std::size_t k = 0; k <= looks; ++k) {

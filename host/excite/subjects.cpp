@@ -53,6 +53,7 @@ std::vector<Subject> subjects(const trees::Problem& reference) {
   std::vector<Subject> out;
   std::vector<trees::Unknown> unknowns = trees::unknowns_of(m, reference.scales(), given);
   for (const trees::Unknown& u : unknowns) {
+    if (u.of_inputs) continue;
     const bool more = u.of_body && u.parameter > 0;
     if (!more)
       out.push_back(

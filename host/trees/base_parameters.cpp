@@ -260,14 +260,14 @@ std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothe
                                            const std::vector<TorqueSamples>& samples,
                                            const std::vector<double>& torque_nm) {
   const SetupMaker maker(model);
-  const model::RobotModel robot = maker.make(model.drives, model.causes).model;
+  const model::RobotModel robot = maker.make({model.drives, model.causes}).model;
   const Eigen::VectorXd given = inertial_parameters(robot);
   const BaseStructure structure = base_structure(robot);
   const Eigen::VectorXd value = structure.combination * given,
                         with_causes =
                             structure.combination *
                             inertial_parameters(
-                                maker.make(extended.drives, extended.causes, extended.bodies).model);
+                                maker.make(extended).model);
   const std::size_t n = model.joints(), count = structure.leading.size();
   // What each is measured by; without one, its unit.
   const Eigen::VectorXd bodies = most(given);

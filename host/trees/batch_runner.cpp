@@ -175,6 +175,14 @@ void BatchRunner::disturb(std::size_t lane, std::size_t joint, double torque_nm)
 
 void BatchRunner::advance(std::span<const double> input, double dt_s) { lanes_->runner.advance(input, dt_s); }
 
+void BatchRunner::advance_each(std::span<const double> inputs, double dt_s) {
+  const std::size_t n = lanes_->joints;
+  std::vector<T> of_joints;
+  for (std::size_t i = 0; i < n; ++i)
+    of_joints.push_back(in_lanes(lanes_->count, [&](std::size_t lane) { return inputs[lane * n + i]; }));
+  lanes_->runner.advance(of_joints, dt_s);
+}
+
 double BatchRunner::measured(std::size_t lane, std::size_t joint) const {
   return lanes_->runner.measured(joint).lanes[lane];
 }

@@ -26,7 +26,10 @@ class BatchRunner {
   void go_to(std::span<const Runner::Place> places);
   Runner::Place place(std::size_t lane) const;
   void disturb(std::size_t lane, std::size_t joint, double torque_nm);
+  /// With one input for each joint in all lanes.
   void advance(std::span<const double> input, double dt_s);
+  /// With inputs for the lanes that there are: those of the first one's joints, then those of the next.
+  void advance_each(std::span<const double> inputs, double dt_s);
   double measured(std::size_t lane, std::size_t joint) const;
   /// Of integration, as many of one run as would have taken as long: a step of all lanes is kStep.
   std::size_t steps() const;

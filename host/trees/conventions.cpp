@@ -24,13 +24,13 @@ class TreeFamily final : public conventions::Family {
  public:
   /// `measured`: of each joint, whether its input is the torque that the drive reports.
   TreeFamily(const TreeModel& model, const std::vector<bool>& measured)
-      : setup_(in_flight(SetupMaker(model).make(model.drives, model.causes))) {
+      : setup_(in_flight(SetupMaker(model).make({model.drives, model.causes}))) {
     const SetupMaker maker(model);
     for (const FreeBody& body : model.free_bodies)
       for (std::size_t k = 0; k < BodyCoordinates{}.size(); ++k) {
         FittedBody other{body.link, {}};
         other.at[k] = kProbe;
-        probes_.push_back(in_flight(maker.make(model.drives, model.causes, std::span(&other, 1))).model);
+        probes_.push_back(in_flight(maker.make({model.drives, model.causes, {other}})).model);
         free_.push_back({-2.0 * kBodyPrior, 2.0 * kBodyPrior});
       }
     for (std::size_t j = 0; j < model.joints(); ++j) {

@@ -117,6 +117,7 @@ class Diagnoser {
           "The search was ended: after much more work than usual there was still something to add. More may be wrong than is named.");
     d_.refitted = found.refitted.at;
     d_.extended = found.fit.at;
+    note_inputs(found.fit);
     for (const auto& t : found.table) {
       const std::string name = cause_name(model_, t.cause);
       const bool again = std::any_of(d_.candidates.begin(), d_.candidates.end(),
@@ -157,6 +158,21 @@ class Diagnoser {
           core::rounded(drive.kd_nmsprad * half_s, 3) + (slides ? " kg" : " kg m^2") +
           " less rotor inertia at " + model_.robot.joints[j].name + ".");
       return;
+    }
+  }
+  /// When inputs act, where that is not with their rows.
+  void note_inputs(const Fit& fit) {
+    constexpr double kSurely = 1.96;
+    for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+      if (!fit.unknowns[k].of_inputs) continue;
+      const double rows = fit.at.inputs_late_rows;
+      if (!fit.at_bound[k] && std::abs(rows) < kSurely * std::sqrt(variance_of(fit, k))) continue;
+      const double time_ms = 1e3 * std::abs(rows) * training_.front().interval_s;
+      d_.notes.push_back("Inputs act " + core::rounded(std::abs(rows), 2) + " rows (" +
+                         core::rounded(time_ms, 2) + " ms) " +
+                         (rows < 0.0 ? "before their rows, as torques do that are measured at the rows' times"
+                                     : "after their rows, as commands do that wait for the drive's next tick") +
+                         ". That is allowed for, and no cause.");
     }
   }
   void say(double fraction, std::string_view doing) const {
@@ -372,7 +388,7 @@ class Diagnoser {
   void parameters(const Problem& problem, const Found& found) {
     for (std::size_t k = 0; k < found.fit.unknowns.size(); ++k) {
       const Unknown& u = found.fit.unknowns[k];
-      if (u.of_cause || u.of_body) continue;
+      if (u.of_cause || u.of_body || u.of_inputs) continue;
       const std::string name =
           std::string(kDriveParameters[u.parameter]) + "." + model_.robot.joints[u.joint].name;
       const std::string unit((model_.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter]);
@@ -384,7 +400,7 @@ class Diagnoser {
       row.refitted = row.extended;
       for (std::size_t i = 0; i < found.refitted.unknowns.size(); ++i) {
         const Unknown& v = found.refitted.unknowns[i];
-        if (!v.of_cause && !v.of_body && v.joint == u.joint && v.parameter == u.parameter)
+        if (!v.of_cause && !v.of_body && !v.of_inputs && v.joint == u.joint && v.parameter == u.parameter)
           row.refitted = interval(name, unit, found.refitted, i);
       }
       const double width = row.extended.upper - row.extended.lower;

@@ -191,7 +191,7 @@ class UrdfWriter {
         text_(text_of_robot(d.model, file_)),
         elements_(model::check_xml(text_, file_)),
         edits_(text_),
-        setup_(SetupMaker(d.model).make(d.extended.drives, d.extended.causes, d.extended.bodies)) {}
+        setup_(SetupMaker(d.model).make(d.extended)) {}
 
   std::string write() {
     for (std::size_t i = 0; i < d_.model.joints(); ++i) joint(i);
@@ -382,7 +382,7 @@ std::string urdf_with_bodies(const TreeModel& model, const std::vector<FittedBod
 }
 
 std::string extended_mjcf(const Diagnosis& d) {
-  const Setup setup = SetupMaker(d.model).make(d.extended.drives, d.extended.causes, d.extended.bodies);
+  const Setup setup = SetupMaker(d.model).make(d.extended);
   model::RobotTree robot = d.model.robot;
   robot.model = setup.model;
   std::vector<model::PositionGains> gains;

@@ -56,12 +56,12 @@ void add_priors(const Hypothesis& h, const std::vector<Unknown>& unknowns, Produ
   }
 }
 
-/// How damped steps are, and what stands beside a normal matrix. Where something is known beforehand, no direction is without information, and
+/// How damped steps are, and what stands beside a normal matrix. Of bodies, of which something is known beforehand, no direction is without information, and
 /// a direction that has little must not be lost beside one that has much.
 struct Stepping {
   double damping, least, more, ridge, of_largest;
 };
-constexpr Stepping kUsual{1e-3, 1e-6, 20.0, 1e-10, 1e-9}, kWithPriors{1e-8, 1e-14, 1e3, 1e-13, 1e-13};
+constexpr Stepping kUsual{1e-3, 1e-6, 20.0, 1e-10, 1e-9}, kOfBodies{1e-8, 1e-14, 1e3, 1e-13, 1e-13};
 
 }  // namespace
 
@@ -389,7 +389,10 @@ Products Problem::products(const Hypothesis& h, const std::vector<Unknown>& unkn
 void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals,
                             Fit& out) const {
   const auto same = [&](const Unknown& u, const Unknown& w) {
-    if (u.of_cause != w.of_cause || u.of_body != w.of_body || u.parameter != w.parameter) return false;
+    if (u.of_cause != w.of_cause || u.of_body != w.of_body || u.of_inputs != w.of_inputs ||
+        u.parameter != w.parameter)
+      return false;
+    if (u.of_inputs) return true;
     if (u.of_body) return u.link == w.link;
     if (!u.of_cause) return u.joint == w.joint;
     const Cause &a = out.at.causes[u.cause], &b = beside.at.causes[w.cause];
@@ -424,7 +427,11 @@ void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd
   }
 }
 
-double Problem::latch_doubt(const Cause& cause) const {
+double Problem::timing_doubt(const Cause& cause) const {
+  // One that has all drives has the part of a row in it that nobody knows.
+  if (cause.effect == Effect::time_skew || cause.effect == Effect::actuator_delay)
+    return inputs_may_be_late(model_, {{}, {cause}}) ? 0.0
+                                                     : kMostLate_rows / std::sqrt(3.0) * interval_s();
   if (cause.effect != Effect::latch_delay && cause.effect != Effect::latch_offset) return 0.0;
   double sd_s = 0.0, rates = 0.0, stances = 0.0;
   for (const Recording& r : recordings_) {
@@ -441,13 +448,14 @@ double Problem::latch_doubt(const Cause& cause) const {
 Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
   Fit out;
   out.at = std::move(from);
+  if (!inputs_may_be_late(model_, out.at)) out.at.inputs_late_rows = 0.0;
   out.unknowns = unknowns_of(model_, scales_, out.at);
   const auto count = static_cast<Eigen::Index>(out.unknowns.size());
   for (const Unknown& u : out.unknowns)
     set_value(out.at, u, std::clamp(value_of(out.at, u), u.lower, u.upper));
-  const bool priors = std::any_of(out.unknowns.begin(), out.unknowns.end(),
-                                  [](const Unknown& u) { return u.prior_sd > 0.0; });
-  const Stepping& stepping = priors ? kWithPriors : kUsual;
+  const bool bodies =
+      std::any_of(out.unknowns.begin(), out.unknowns.end(), [](const Unknown& u) { return u.of_body; });
+  const Stepping& stepping = bodies ? kOfBodies : kUsual;
   double damping = stepping.damping;
   std::vector<Eigen::VectorXd> left = residuals(out.at);
   const auto derive = [&] {
@@ -567,24 +575,22 @@ Fit Problem::fit(Hypothesis from, int iterations, const Fit* beside) const {
       told -= std::min(1.0, prior(a) * inverse(a, a));
     }
     Eigen::MatrixXd c = inverse * scatter * inverse * (windows / std::max(1.0, windows - told));
-    if (priors) {
-      const Eigen::MatrixXd of_prior = inverse * prior.asDiagonal() * inverse;
-      c += of_prior;
-      for (Eigen::Index a = 0; a < m; ++a)
-        for (Eigen::Index b = 0; b < m; ++b)
-          out.of_prior(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
-              of_prior(a, b);
-    }
+    const Eigen::MatrixXd of_prior = inverse * prior.asDiagonal() * inverse;
+    c += of_prior;
+    for (Eigen::Index a = 0; a < m; ++a)
+      for (Eigen::Index b = 0; b < m; ++b)
+        out.of_prior(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
+            of_prior(a, b);
     for (Eigen::Index a = 0; a < m; ++a)
       for (Eigen::Index b = 0; b < m; ++b)
         out.covariance(inside[static_cast<std::size_t>(a)] - 1, inside[static_cast<std::size_t>(b)] - 1) =
             c(a, b);
   }
-  // All touch-downs may be later, or earlier, by one time: no window tells.
+  // All inputs, or all touch-downs, may be later, or earlier, by one time: no window tells.
   for (std::size_t k = 0; k < out.unknowns.size(); ++k) {
     const Unknown& u = out.unknowns[k];
     if (!u.of_cause || out.at_bound[k]) continue;
-    const double sd = latch_doubt(out.at.causes[u.cause]);
+    const double sd = timing_doubt(out.at.causes[u.cause]);
     out.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)) += sd * sd;
   }
   // The curvature alone, of unknowns at a bound too; of what nothing depends on, nothing is known.

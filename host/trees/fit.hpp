@@ -146,13 +146,13 @@ class Problem {
                                        const std::vector<Hypothesis>& probes,
                                        const std::vector<Hypothesis>& runs,
                                        Eigen::MatrixXd* of_rotors = nullptr) const;
-  /// What a latch's delay or offset is not known by because the touch-downs' common lateness is not.
-  double latch_doubt(const Cause& cause) const;
+  /// What a time is not known by because part of a row is not, or of a latch's delay or offset the touch-downs' common lateness.
+  double timing_doubt(const Cause& cause) const;
   /// Derivatives of those unknowns that `beside` does not have; the others are taken from there.
   void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
   Products products_of(const std::vector<Eigen::VectorXd>& residuals,
                        const std::vector<Eigen::MatrixXd>& columns) const;
-  Setup make(const Hypothesis& h) const { return maker_.make(h.drives, h.causes, h.bodies); }
+  Setup make(const Hypothesis& h) const { return maker_.make(h); }
   /// a' b over what no start explains.
   Eigen::MatrixXd product(std::size_t window, const Eigen::MatrixXd& columns) const;
 

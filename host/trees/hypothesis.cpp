@@ -13,7 +13,23 @@ constexpr double kOfBody = 0.1;
 
 }  // namespace
 
+bool inputs_may_be_late(const TreeModel& model, const Hypothesis& h) {
+  for (std::size_t j = 0; j < model.joints(); ++j) {
+    if (!model.driven(j)) continue;
+    const bool delayed =
+        std::any_of(h.causes.begin() + static_cast<std::ptrdiff_t>(std::min(model.causes.size(), h.causes.size())),
+                    h.causes.end(), [&](const Cause& c) {
+                      return c.effect == Effect::time_skew ||
+                             (c.effect == Effect::actuator_delay &&
+                              std::find(c.sites.begin(), c.sites.end(), j) != c.sites.end());
+                    });
+    if (!delayed) return true;
+  }
+  return false;
+}
+
 double value_of(const Hypothesis& h, const Unknown& u) {
+  if (u.of_inputs) return h.inputs_late_rows;
   if (u.of_body) {
     const auto body =
         std::find_if(h.bodies.begin(), h.bodies.end(), [&](const FittedBody& b) { return b.link == u.link; });
@@ -22,6 +38,10 @@ double value_of(const Hypothesis& h, const Unknown& u) {
   return u.of_cause ? h.causes[u.cause].values[u.parameter] : h.drives[u.joint].*kDriveMembers[u.parameter];
 }
 void set_value(Hypothesis& h, const Unknown& u, double value) {
+  if (u.of_inputs) {
+    h.inputs_late_rows = value;
+    return;
+  }
   if (u.of_body) {
     auto body =
         std::find_if(h.bodies.begin(), h.bodies.end(), [&](const FittedBody& b) { return b.link == u.link; });
@@ -40,6 +60,12 @@ double stiffest_nmprad(const Drive& drive) {
 
 std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, const Hypothesis& h) {
   std::vector<Unknown> out;
+  if (inputs_may_be_late(model, h)) {
+    Unknown u{.lower = -kMostLate_rows, .upper = kMostLate_rows, .scale = 0.5 * kMostLate_rows};
+    u.of_inputs = true;
+    u.prior_sd = kMostLate_rows / std::sqrt(3.0);
+    out.push_back(u);
+  }
   const auto torque_scale = [&](std::size_t parameter, std::size_t j) {
     const double torque = scales.torque_nm[j];
     if (parameter == 0) return torque / std::max(1e-3, scales.highest_rad[j] - scales.lowest_rad[j]);

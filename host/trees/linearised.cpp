@@ -48,16 +48,23 @@ double friction(const Law& law, double q, double v, double drive_nm, int directi
 class Inputs {
  public:
   Inputs(const Recording& r, std::size_t joint, std::size_t last)
-      : time_s_(r.time_s), input_(r.input[joint]) {
+      : time_s_(r.time_s), input_(r.input[joint]), interval_s_(r.interval_s) {
     constexpr double kAfter_s = 0.1;
     const double end = r.time_s[last] + kAfter_s;
     while (last + 1 < r.rows() && r.time_s[last] < end) ++last;
     sum_.resize(last + 1);
     for (std::size_t k = 0; k < last; ++k) sum_[k + 1] = sum_[k] + input_[k] * (time_s_[k + 1] - time_s_[k]);
   }
-  double mean(double from_s, double to_s) const { return (until(to_s) - until(from_s)) / (to_s - from_s); }
+  /// Of what the drive has, over `span_s` from this time on.
+  double mean(const Setup::Joint& drive, double from_s, double span_s) const {
+    const double now = mean(from_s - drive.delay_s, span_s), share = std::abs(drive.late_rows);
+    if (share == 0.0) return now;
+    const double row_s = std::copysign(interval_s_, drive.late_rows);
+    return (1.0 - share) * now + share * mean(from_s - drive.delay_s - row_s, span_s);
+  }
 
  private:
+  double mean(double from_s, double span_s) const { return (until(from_s + span_s) - until(from_s)) / span_s; }
   double until(double t) const {
     const auto end = time_s_.begin() + static_cast<std::ptrdiff_t>(sum_.size());
     const auto after = std::upper_bound(time_s_.begin(), end, t);
@@ -65,6 +72,7 @@ class Inputs {
     return sum_[k] + input_[k] * (t - time_s_[k]);
   }
   const std::vector<double>&time_s_, &input_;
+  double interval_s_;
   std::vector<double> sum_;
 };
 
@@ -117,7 +125,7 @@ class Linearised::Torques {
     const Setup::Joint& drive = setup_.joints[i];
     const Law& law = setup_.model.laws[i];
     const double q = at.position_rad[i], v = at.velocity_radps[i], measured = q + drive.encoder_offset_rad;
-    const double input = inputs.mean(from_s - drive.delay_s, from_s + step_s - drive.delay_s);
+    const double input = inputs.mean(drive, from_s, step_s);
     double asked = asked_torque(drive, input, measured, v);
     if (drive.lag_s > 0.0) asked = passed(drive.lag_s, step_s, asked, lagged_[k]);
     const double torque = drive.offset_nm + made_torque(drive, asked, measured);
@@ -226,10 +234,7 @@ Linearised::Linearised(const Setup& of_all, const Recording& r, const Window& w,
   };
   for (std::size_t g = 0; g < count; ++g) {
     const double from = begin + static_cast<double>(g) * step_s_;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double delay = setup.joints[i].delay_s;
-      input[i] = inputs[i].mean(from - delay, from + step_s_ - delay);
-    }
+    for (std::size_t i = 0; i < n; ++i) input[i] = inputs[i].mean(setup.joints[i], from, step_s_);
     Interval& at = intervals_.emplace_back();
     at.carried = Eigen::MatrixXd::Zero(size, size);
     at.driven = Eigen::MatrixXd::Zero(size, static_cast<Index>(n));

@@ -85,7 +85,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
     q[j] = s.angle_rad - d.encoder_offset_rad;
     v[j] = s.velocity_radps;
     a[j] = s.acceleration_radps2;
-    const double late = d.delay_s + d.lag_s;
+    const double late = d.delay_s + d.lag_s + d.late_rows * r.interval_s;
     std::size_t near = k;
     while (near > 0 && r.time_s[near] > r.time_s[k] - late) --near;
     while (near + 1 < r.rows() && r.time_s[near + 1] <= r.time_s[k] - late) ++near;
@@ -127,7 +127,7 @@ Row at_row(const Setup& setup, const Recording& r, std::size_t k, double half_s)
 std::vector<TorqueSamples> missing_torque(const Problem& problem, const std::vector<Recording>& recordings,
                                           const Hypothesis& h, double window_s, std::size_t most) {
   const std::size_t n = problem.joints();
-  const Setup of_all = SetupMaker(problem.model()).make(h.drives, h.causes, h.bodies);
+  const Setup of_all = SetupMaker(problem.model()).make(h);
   std::vector<TorqueSamples> out(n);
   for (TorqueSamples& s : out) s.others.resize(n);
   std::size_t rows = 0;

@@ -90,7 +90,7 @@ std::vector<Experiment> among_recorded(const TreeModel& m, const std::vector<Rec
                                        double window_s, std::size_t most) {
   const std::size_t n = m.joints();
   const SetupMaker maker(m);
-  const Setup setup = maker.make(named.drives, named.causes, named.bodies);
+  const Setup setup = maker.make(named);
   std::vector<Experiment> out;
   for (const Recording& r : recordings)
     for (const bool stance : {true, false}) {
@@ -100,7 +100,7 @@ std::vector<Experiment> among_recorded(const TreeModel& m, const std::vector<Rec
           {},
           1e300};
       for (const Hypothesis& other : others) {
-        const Setup another = maker.make(other.drives, other.causes, other.bodies);
+        const Setup another = maker.make(other);
         double squares = 0.0, rows = 0.0;
         for (const Window& w : windows_of(m, one, window_s)) {
           if (r.phase_at(w.first).stance != stance) continue;
@@ -130,7 +130,7 @@ std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<R
   const std::size_t n = m.joints();
   const Scales scales = scales_of(m, recordings);
   const SetupMaker maker(m);
-  const Setup setup = maker.make(named.drives, named.causes, named.bodies);
+  const Setup setup = maker.make(named);
   std::vector<std::vector<Path>> library;
   std::vector<Path> still(n);
   for (std::size_t j = 0; j < n; ++j) {
@@ -182,7 +182,7 @@ std::vector<Experiment> next_experiments(const TreeModel& m, const std::vector<R
       return x;
     };
     for (const Hypothesis& other : others) {
-      const Setup another = maker.make(other.drives, other.causes, other.bodies);
+      const Setup another = maker.make(other);
       double squares = 0.0, rows = 0.0;
       for (const Window& w : windows) {
         const std::vector<double> a = run_of(setup, w), b = run_of(another, w);

@@ -66,7 +66,7 @@ Predictions predict(const TreeModel& model, const std::vector<Recording>& record
                     const Hypothesis& h, std::vector<Trace>* traces, std::vector<double> Trace::*into) {
   const std::size_t n = model.joints();
   const SetupMaker maker(model);
-  const Setup setup = maker.make(h.drives, h.causes, h.bodies);
+  const Setup setup = maker.make(h);
   const std::vector<Window> windows = windows_of(model, recordings, window_s);
   Predictions out{std::vector<ChannelError>(n), std::vector<double>(n)};
   std::vector<double> squares(n), absolute(n), about_mean(n), noise(n);

@@ -53,7 +53,7 @@ Reported reported(const TreeModel& model, const Fit& fit) {
       by_given;  // each row's derivative by the unknowns, here and at the given body
   for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
     const Unknown& u = fit.unknowns[k];
-    if (u.of_cause || u.of_body) continue;
+    if (u.of_cause || u.of_body || u.of_inputs) continue;
     Reported::Row row;
     row.name = std::string(kDriveParameters[u.parameter]) + "." + model.robot.joints[u.joint].name;
     row.unit = (model.prismatic(u.joint) ? kLinearDriveUnits : kDriveUnits)[u.parameter];

@@ -32,7 +32,7 @@ Rotor::Rotor(const Setup& setup, const Recording& recording, std::size_t joint, 
   const double measured = r_.angle_rad[joint][from],
                torque = drive_.lag_s > 0.0
                             ? made_torque(drive_, lagged_nm_, measured)
-                            : made_torque(drive_, asked_torque(drive_, r_.input[joint][row], measured, v),
+                            : made_torque(drive_, asked_torque(drive_, input_in_force(drive_, r_, joint, row), measured, v),
                                           measured);
   angle_rad_ = q + (torque + drive_.offset_nm - law_.rotor_damping_nmspr * v) / law_.drive_stiffness_nmprad;
   rate_radps_ = v;
@@ -56,7 +56,7 @@ void Rotor::advance() {
   const double dt = r_.time_s[row_ + 1] - r_.time_s[row_];
   const double q = joint_rad(row_), slope = (joint_rad(row_ + 1) - q) / dt;
   const double measured = 0.5 * (r_.angle_rad[joint_][row_] + r_.angle_rad[joint_][row_ + 1]);
-  const double input = r_.input[joint_][row_in_force(drive_, r_, row_)];
+  const double input = input_in_force(drive_, r_, joint_, row_in_force(drive_, r_, row_));
   double asked = asked_torque(drive_, input, measured, slope);
   if (drive_.lag_s > 0.0) asked = passed(drive_.lag_s, dt, asked, lagged_nm_);
   const double torque = made_torque(drive_, asked, measured) + drive_.offset_nm;

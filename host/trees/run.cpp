@@ -103,8 +103,8 @@ Setup in_phase(const Setup& setup, const Recording& r, std::size_t row) {
   return out;
 }
 
-Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> causes,
-                       std::span<const FittedBody> fitted) const {
+Setup SetupMaker::make(const Hypothesis& hypothesis) const {
+  const auto& [drives, causes, fitted, inputs_late_rows] = hypothesis;
   Setup out;
   out.model = tree_.robot.model;
   out.joints.resize(tree_.joints());
@@ -120,6 +120,7 @@ Setup SetupMaker::make(std::span<const Drive> drives, std::span<const Cause> cau
     j.law = d.law;
     j.kp_nmprad = d.kp_nmprad;
     j.kd_nmsprad = d.kd_nmsprad;
+    if (j.law != ControlMode::none) j.late_rows = inputs_late_rows;
     const Spring& s = tree_.springs[i];
     j.spring_nmprad = s.stiffness_nmprad;
     j.switched = s.switched;
@@ -347,6 +348,14 @@ void Runner::follow(const Plant::Joints& q, Plant::Joints& v) const {
   for (std::size_t k = 0; k < led.size(); ++k) v[led[k]] = rates(static_cast<Eigen::Index>(k));
 }
 
+double input_in_force(const Setup::Joint& drive, const Recording& r, std::size_t joint, std::size_t row) {
+  const std::vector<double>& input = r.input[joint];
+  const double a = drive.late_rows;
+  if (a > 0.0 && row > 0) return (1.0 - a) * input[row] + a * input[row - 1];
+  if (a < 0.0 && row + 1 < r.rows()) return (1.0 + a) * input[row] - a * input[row + 1];
+  return input[row];
+}
+
 std::size_t row_in_force(const Setup::Joint& j, const Recording& r, std::size_t first) {
   std::size_t k = first;
   while (k > 0 && r.time_s[k] + j.delay_s > r.time_s[first]) --k;
@@ -361,7 +370,8 @@ double lagged_before(const Setup::Joint& j, const Recording& r, std::size_t join
   std::size_t from = k;
   while (from > 0 && r.time_s[k] - r.time_s[from] < 6.0 * j.lag_s) --from;
   const auto asked = [&](std::size_t b) {
-    return asked_torque(j, r.input[joint][b], r.angle_rad[joint][b], velocity_about(r, joint, b));
+    return asked_torque(j, input_in_force(j, r, joint, b), r.angle_rad[joint][b],
+                        velocity_about(r, joint, b));
   };
   double out = asked(from);
   const auto pass = [&](std::size_t b, double dt) {
@@ -390,13 +400,13 @@ void Runner::reset(const Recording& r, std::size_t first, std::span<const double
 
 namespace {
 
-/// Moves `runner`, whose delays `setup` has, from row to row of the recording, and calls `at_row(k)` in each after the first.
-template <class R, class F>
-void follow_rows(R& runner, const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
-                 const F& at_row) {
+/// From row to row of the recording, with the delays of `setup`: calls `advance(rows, dt_s)` with the rows whose inputs are in force, and
+/// `at_row(k)` in each row after the first.
+template <class Advance, class F>
+void follow_rows(const Setup& setup, const Recording& r, std::size_t first, std::size_t last,
+                 const Advance& advance, const F& at_row) {
   const std::size_t n = setup.joints.size();
-  std::vector<std::size_t> row(n);  // whose input is in force
-  std::vector<double> input(n);
+  std::vector<std::size_t> row(n);
   bool delayed = false;
   for (std::size_t i = 0; i < n; ++i) {
     delayed |= setup.joints[i].delay_s != 0.0;
@@ -415,10 +425,9 @@ void follow_rows(R& runner, const Setup& setup, const Recording& r, std::size_t 
           while (row[i] + 1 < r.rows() && r.time_s[row[i] + 1] + delay <= now + 1e-12) ++row[i];
           if (row[i] + 1 < r.rows()) until = std::min(until, r.time_s[row[i] + 1] + delay);
         }
-        input[i] = r.input[i][row[i]];
       }
       if (end - until < 1e-9) until = end;
-      runner.advance(input, until - now);
+      advance(row, until - now);
       now = until;
     }
     at_row(k + 1);
@@ -441,6 +450,13 @@ std::size_t run(std::span<const Run> runs, const Recording& r, std::size_t first
   for (std::size_t k = 1; k < runs.size(); ++k)
     (BatchRunner::fits(setups[0], setups[k]) ? beside : alone).push_back(k);
   std::size_t steps = 0;
+  std::vector<double> input(n);
+  const auto with_inputs = [&](const Setup& s, auto& runner) {
+    return [&](const std::vector<std::size_t>& row, double dt_s) {
+      for (std::size_t i = 0; i < n; ++i) input[i] = input_in_force(s.joints[i], r, i, row[i]);
+      runner.advance(input, dt_s);
+    };
+  };
   // Of few runs each is quicker by itself than all lanes.
   constexpr std::size_t kLeast = 2;
   if (beside.size() < kLeast) {
@@ -455,7 +471,7 @@ std::size_t run(std::span<const Run> runs, const Recording& r, std::size_t first
       for (std::size_t i = 0; i < n; ++i) out[k * size + (row - first) * n + i] = runner.measured(i);
     };
     read(first);
-    follow_rows(runner, setups[k], r, first, last, read);
+    follow_rows(setups[k], r, first, last, with_inputs(setups[k], runner), read);
     steps += runner.steps();
   }
   for (std::size_t from = 0; from < beside.size(); from += BatchRunner::kLanes - 1) {
@@ -477,7 +493,22 @@ std::size_t run(std::span<const Run> runs, const Recording& r, std::size_t first
           out[of_lane[lane] * size + (row - first) * n + i] = runner.measured(lane, i);
     };
     read(first);
-    follow_rows(runner, setups[0], r, first, last, read);
+    const bool same = std::all_of(of_lanes.begin(), of_lanes.end(), [&](const Setup* s) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (s->joints[i].late_rows != setups[0].joints[i].late_rows) return false;
+      return true;
+    });
+    std::vector<double> of_each(of_lane.size() * n);
+    const auto each = [&](const std::vector<std::size_t>& row, double dt_s) {
+      for (std::size_t lane = 0; lane < of_lane.size(); ++lane)
+        for (std::size_t i = 0; i < n; ++i)
+          of_each[lane * n + i] = input_in_force(of_lanes[lane]->joints[i], r, i, row[i]);
+      runner.advance_each(of_each, dt_s);
+    };
+    if (same)
+      follow_rows(setups[0], r, first, last, with_inputs(setups[0], runner), read);
+    else
+      follow_rows(setups[0], r, first, last, each, read);
     steps += runner.steps();
   }
   return steps;

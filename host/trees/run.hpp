@@ -32,13 +32,19 @@ class Runner : public RunnerOf<double, model::RobotShape> {
 /// The setup as it is in the phase of a recording's row: the foot on the ground or not, springs at rest where they caught.
 Setup in_phase(const Setup& setup, const Recording& recording, std::size_t row);
 
+/// What may differ from the model as given.
+struct Hypothesis {
+  std::vector<Drive> drives;
+  std::vector<Cause> causes;
+  std::vector<FittedBody> bodies{};  ///< a link that is not here has its body as given
+  double inputs_late_rows = 0.0;     ///< all inputs act so many rows after their own: Setup::Joint::late_rows
+};
+
 /// What does not change from one set of causes to the next is computed once.
 class SetupMaker {
  public:
   explicit SetupMaker(const TreeModel& model);
-  /// The tree with these drives and causes, and with these bodies in place of the given ones.
-  Setup make(std::span<const Drive> drives, std::span<const Cause> causes,
-             std::span<const FittedBody> fitted = {}) const;
+  Setup make(const Hypothesis& hypothesis) const;
 
  private:
   struct Body {  ///< of a link, in the link frame of the joint that moves it
@@ -76,6 +82,9 @@ std::size_t run(const Setup& setup, const Recording& recording, std::size_t firs
                 std::span<const double> angle_rad, std::span<const double> velocity_radps,
                 std::span<double> measured);
 
+/// The input that a drive has while that of `row` is in force.
+double input_in_force(const Setup::Joint& drive, const Recording& recording, std::size_t joint,
+                      std::size_t row);
 /// The row whose input a drive has at row `first`.
 std::size_t row_in_force(const Setup::Joint& joint, const Recording& recording, std::size_t first);
 /// A lag's output at row `first`, from the inputs before; a position law's at the measured angles.

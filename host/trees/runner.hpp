@@ -23,6 +23,8 @@ struct SetupOf {
     T kp_nmprad{0.0}, kd_nmsprad{0.0};
     T gain{1.0}, lag_s{0.0};
     double delay_s = 0.0;  ///< below zero where the log's clocks are apart
+    /// Between -1 and 1: of the row before (of the one after, below 0) the input has this share.
+    double late_rows = 0.0;
     T limit_nm{0.0};       ///< 0: none
     T ripple_nm{0.0}, ripple_cycles{0.0}, ripple_phase_rad{0.0};
     T offset_nm{0.0};  ///< on the joint
@@ -52,8 +54,8 @@ struct SetupOf {
 using Setup = SetupOf<double, model::RobotShape>;
 
 /// The torque that a drive's law asks for where the encoder reads `measured_rad`.
-template <class J, class T>
-T asked_torque(const J& joint, double input, const T& measured_rad, const T& velocity_radps) {
+template <class J, class I, class T>
+T asked_torque(const J& joint, const I& input, const T& measured_rad, const T& velocity_radps) {
   if (joint.law == ControlMode::torque) return T(input);
   return joint.kp_nmprad * (input - measured_rad) - joint.kd_nmsprad * velocity_radps;
 }
@@ -122,8 +124,9 @@ class RunnerOf {
   void place_rotor(std::size_t joint, const T& angle_rad, const T& rate_radps) {
     plant_.place_rotor(joint, angle_rad, rate_radps);
   }
-  /// Moves on with the inputs of this interval.
-  void advance(std::span<const double> input, double dt_s) {
+  /// Moves on with the inputs of this interval, one for each joint.
+  template <class Inputs>
+  void advance(const Inputs& input, double dt_s) {
     constexpr double kStepwise = 1e-3;
     const int parts = stepwise_ ? std::max(1, static_cast<int>(std::ceil(dt_s / kStepwise - 1e-9))) : 1;
     const double dt = dt_s / parts;
@@ -136,7 +139,7 @@ class RunnerOf {
         if (is_spring(j)) {
           plant_.set_rest(i, input[i] - j.encoder_offset_rad);
           drive = j.gain * asked_torque(j, input[i], measured(i), velocity(i));
-          if (j.stepwise) tau[i] = spring_torque(i, input[i], dt);
+          if (j.stepwise) tau[i] = spring_torque(i, T(input[i]), dt);
         } else {
           const T ahead = measured(i) + velocity(i) * 0.5 * dt;
           // A velocity of half a step ago would count as inertia.
@@ -175,7 +178,7 @@ class RunnerOf {
  private:
   static double value_of(const T& x) { return dynamics::value_of(x); }
   /// What the drive adds to the joint's spring and damper over the next step; what these and the dry friction are in it.
-  T spring_torque(std::size_t i, double input, double dt_s) {
+  T spring_torque(std::size_t i, const T& input, double dt_s) {
     const Joint& j = setup_.joints[i];
     const T ahead = measured(i) + velocity(i) * 0.5 * dt_s;
     const T asked = asked_torque(j, input, ahead, velocity(i)), made = made_torque(j, asked, ahead);

@@ -82,7 +82,14 @@ ScoreTest::ScoreTest(const Problem& problem, const Hypothesis& h, const std::vec
   }
   added_ = static_cast<Index>(1 + unknowns.size() + probes.size());
   products_ = problem.products(h, unknowns, probes, added);
-  for (std::size_t k = 0; k < unknowns.size(); ++k) fitted_.push_back(static_cast<Index>(1 + k));
+  for (std::size_t k = 0; k < unknowns.size(); ++k) {
+    const auto column = static_cast<Index>(1 + k);
+    // When inputs act is no longer free at the end of its range.
+    const Unknown& u = unknowns[k];
+    const double value = value_of(h, u), push = products_.all(0, column);
+    if (u.of_inputs && ((value <= u.lower && push < 0.0) || (value >= u.upper && push > 0.0))) continue;
+    fitted_.push_back(column);
+  }
 }
 
 ScoreTest ScoreTest::seen_from(std::size_t added) const {

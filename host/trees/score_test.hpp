@@ -47,7 +47,7 @@ class ScoreTest {
   const std::vector<Candidate>& candidates() const { return candidates_; }
   double loss() const { return products_.all(0, 0); }
   Columns columns_of(std::size_t candidate) const;
-  const Columns& fitted() const { return fitted_; }  ///< of the unknowns
+  const Columns& fitted() const { return fitted_; }  ///< of the unknowns, 1 and their number, that are free
 
  private:
   struct OnFolds {

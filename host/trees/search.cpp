@@ -586,7 +586,7 @@ class Search {
   Fit friction_anew(Fit fit) {
     const std::size_t given = problem_.model().causes.size();
     for (std::size_t j = 0; j < problem_.joints(); ++j) {
-      Hypothesis bare{fit.at.drives, {}, fit.at.bodies};
+      Hypothesis bare{fit.at.drives, {}, fit.at.bodies, fit.at.inputs_late_rows};
       double dry_nm = 0.0, offset_nm = 0.0;  // the latter of friction that has two sizes
       std::size_t resistances = 0, constants = 0;
       bool curved = false;
@@ -684,7 +684,7 @@ class Search {
 
   /// A cause that has one value at several sites may have one of its own at each: where that predicts better.
   Fit apart(Fit fit) {
-    Hypothesis h{fit.at.drives, {}, fit.at.bodies};
+    Hypothesis h{fit.at.drives, {}, fit.at.bodies, fit.at.inputs_late_rows};
     for (std::size_t c = 0; c < fit.at.causes.size(); ++c) {
       const Cause& cause = fit.at.causes[c];
       for (const std::size_t site : cause.sites) {
@@ -770,9 +770,10 @@ class Search {
         std::vector<Rival> rivals;
         const ScoreTest linear = all.seen_from(c - given);
         ScoreTest::Columns others_fitted;
-        for (std::size_t k = 0; k < fit.unknowns.size(); ++k)
-          if (!fit.unknowns[k].of_cause || fit.unknowns[k].cause != c)
-            others_fitted.push_back(linear.fitted()[k]);
+        for (const Index column : linear.fitted()) {
+          const Unknown& u = fit.unknowns[static_cast<std::size_t>(column - 1)];
+          if (!u.of_cause || u.cause != c) others_fitted.push_back(column);
+        }
         // What is nearly one law with it first, then what would gain about as much.
         std::vector<ScoreTest::Score> scores = all.in_place_of(c - given, others_fitted, kNearlyOneLaw);
         const std::size_t alike = scores.size();

@@ -289,7 +289,7 @@ log::Log simulate(const TreeModel& model, const Scenario& scenario, std::uint64_
       skew_s += c.values[0];
     else
       of_robot.push_back(c);
-  const Setup true_one = maker.make(model.drives, of_robot), believed = maker.make(model.drives, {});
+  const Setup true_one = maker.make({model.drives, of_robot}), believed = maker.make({model.drives, {}});
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   log::Log out;

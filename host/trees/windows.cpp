@@ -34,7 +34,7 @@ double root_mean_square(const std::vector<double>& x) {
 
 Scales scales_of(const TreeModel& model, std::span<const Recording> recordings) {
   const std::size_t n = model.joints();
-  const auto bodies = SetupMaker(model).make(model.drives, model.causes).model;
+  const auto bodies = SetupMaker(model).make({model.drives, model.causes}).model;
   std::vector<std::vector<double>> torque(n), of_motion(n), velocity(n), acceleration(n);
   std::vector<double> low(n, 1e300), high(n, -1e300), noise(n, 0.0), inertia(n, 0.0);
   for (const Recording& r : recordings) {

@@ -77,7 +77,7 @@ Errors beside_mujoco(const trees::Diagnosis& d, const std::vector<log::Log>& log
   const test::MujocoPeer peer(trees::extended_mjcf(d));
   mjModel& m = const_cast<mjModel&>(peer.model());
   m.opt.disableflags &= ~mjDSBL_CONSTRAINT;
-  const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
+  const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended);
   const std::array<std::size_t, 2> at{peer.place("shoulder"), peer.place("elbow")};
   std::vector<trees::Recording> recordings;
   for (const log::Log& log : logs) recordings.push_back(trees::recording_of(d.model, log));

@@ -133,7 +133,7 @@ TEST_CASE("Torques of zero are no torques, not an error") {
   // It swings freely from 1 rad.
   for (int i = 0; i < 3; ++i) {
     const trees::Recording r = test::inputs(m, 6.0, 0.004, [](std::size_t, double) { return 0.0; });
-    const trees::Setup setup = trees::SetupMaker(m).make(m.drives, {});
+    const trees::Setup setup = trees::SetupMaker(m).make({m.drives, {}});
     std::vector<double> q(r.rows());
     trees::run(setup, r, 0, r.rows() - 1, std::vector{1.0 - 0.2 * i}, std::vector{0.0}, q);
     log::Log log;
@@ -162,7 +162,7 @@ TEST_CASE("Torque that comes from elsewhere, and that no state predicts, is not 
         return 0.4 * std::sin(2.1 * t + i) + 0.3 * std::sin(5.3 * t + 2 * i) + push(t + 0.002);
       });
       std::vector<double> q(r.rows());
-      trees::run(trees::SetupMaker(m).make(m.drives, {}), r, 0, r.rows() - 1, std::vector{0.0},
+      trees::run(trees::SetupMaker(m).make({m.drives, {}}), r, 0, r.rows() - 1, std::vector{0.0},
                  std::vector{0.0}, q);
       log::Log log;
       log.path = "pushed.csv";

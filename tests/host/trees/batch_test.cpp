@@ -112,7 +112,7 @@ TEST_CASE("Runs in lanes are those runs") {
       return c.amplitude * std::sin((5.0 + 2.0 * static_cast<double>(j)) * t);
     });
     const trees::SetupMaker maker(model);
-    const trees::Setup base = maker.make(model.drives, c.as_run);
+    const trees::Setup base = maker.make({model.drives, c.as_run, {}, 0.2});
     const std::vector<double> q{0.2, -0.3, 0.4}, v{1.0, 2.0, -3.0};
     std::vector<trees::Setup> setups;
     std::vector<double> steps;
@@ -122,8 +122,11 @@ TEST_CASE("Runs in lanes are those runs") {
         std::vector<Cause> moved = c.as_run;
         steps.push_back(c.step * std::abs(c.as_run[k].values[p]));
         moved[k].values[p] += steps.back();
-        setups.push_back(maker.make(model.drives, moved));
+        setups.push_back(maker.make({model.drives, moved, {}, 0.2}));
       }
+    // Inputs that act a little later.
+    steps.push_back(1e-6);
+    setups.push_back(maker.make({model.drives, c.as_run, {}, 0.2 + steps.back()}));
     // Starts beside the first one, too; so many that there are two batches.
     std::vector<std::vector<double>> q_at(n, q), v_at(n, v);
     for (std::size_t j = 0; j < n; ++j) {
@@ -167,7 +170,7 @@ TEST_CASE(
     "Runs of which one has a law that the first lacks, or another delay or geometry, are not beside it") {
   const trees::TreeModel model = test::arm3(kTorque);
   const trees::SetupMaker maker(model);
-  const auto with = [&](const std::vector<Cause>& causes) { return maker.make(model.drives, causes); };
+  const auto with = [&](const std::vector<Cause>& causes) { return maker.make({model.drives, causes}); };
   const trees::Setup base = with({});
   for (const Cause& c : {Cause{Effect::coulomb_friction, {0}, {0.1, 0, 0, 0}},
                          Cause{Effect::actuator_delay, {1}, {0.01, 0, 0, 0}},

@@ -131,7 +131,7 @@ TEST_CASE("A constant torque is the sum of torques in all parts of a window's ti
   const std::vector<trees::Recording> all{r};
   const trees::Window w = trees::windows_of(model, all, 0.3)[1];
   const trees::SetupMaker maker(model);
-  const trees::Setup base = maker.make(model.drives, {});
+  const trees::Setup base = maker.make({model.drives, {}});
   const std::vector<double> torque_nm(model.joints(), 1e-3);
   const trees::Linearised run(base, r, w, torque_nm);
   constexpr std::size_t kParts = 24;
@@ -139,7 +139,7 @@ TEST_CASE("A constant torque is the sum of torques in all parts of a window's ti
   REQUIRE(parts.cols() == static_cast<Index>(kParts * model.joints()));
   for (std::size_t j = 0; j < model.joints(); ++j) {
     const std::vector<trees::Cause> push{{Effect::force_offset, {j}, {0.01, 0, 0, 0}}};
-    const trees::Setup pushed = maker.make(model.drives, push);
+    const trees::Setup pushed = maker.make({model.drives, push});
     const trees::Setup* const one[] = {&pushed};
     const Eigen::VectorXd whole = run.changes(one).col(0),
                           sum =

@@ -82,7 +82,7 @@ void check_reads_back(const trees::Diagnosis& d) {
   const std::string text = trees::extended_urdf(d);
   const model::RobotTree back =
       model::tree_of(model::parse_urdf(text, "extended"), d.model.moving, d.model.hold);
-  const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
+  const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended);
   REQUIRE(back.joints.size() == d.model.joints());
   for (std::size_t i = 0; i < back.joints.size(); ++i) {
     INFO(back.joints[i].name);
@@ -302,7 +302,7 @@ TEST_CASE("MuJoCo reads the MJCF with causes, and moves as the tree") {
                          {Effect::coulomb_friction, {4}, {0.3}}};
     if (law == std::string("position"))
       d.extended.causes.push_back({Effect::position_gain_error, {5}, {50.0, 1.0}});
-    const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended.drives, d.extended.causes);
+    const trees::Setup setup = trees::SetupMaker(d.model).make(d.extended);
     const test::MujocoPeer peer(trees::extended_mjcf(d));
     REQUIRE(peer.model().nv == static_cast<int>(d.model.joints()));
     std::mt19937 random(7);

@@ -150,6 +150,49 @@ TEST_CASE(
   CHECK(gains(rough) == std::pair(true, true));
 }
 
+TEST_CASE("A fit finds where between rows inputs act") {
+  const trees::TreeModel model = test::arm3("[drive]\ncontrol_mode = \"torque\"\n");
+  const auto torque_nm = [](std::size_t j, double t) {
+    return 0.8 * std::sin((5.0 + 2.0 * static_cast<double>(j)) * t) +
+           0.3 * std::sin((31.0 - 4.0 * static_cast<double>(j)) * t);
+  };
+  // Rows of 10 ms of a motion with steps of 1 ms. The torque of a row's time is that of a continuous one; a command is held, and comes
+  // 4 ms after its row.
+  constexpr std::size_t kEvery = 10, kLate = 4;
+  const auto late_rows = [&](bool held) {
+    trees::Recording fine = test::inputs(model, 3.0, 1e-3, torque_nm), rows = fine;
+    for (std::size_t j = 0; j < model.joints(); ++j)
+      for (std::size_t k = 0; k < fine.rows(); ++k)
+        fine.input[j][k] = torque_nm(j, held ? 0.01 * static_cast<double>((k + kEvery - kLate) / kEvery - 1)
+                                             : fine.time_s[k] + 0.5e-3);
+    const std::vector<double> still(model.joints());
+    std::vector<double> out(fine.rows() * model.joints());
+    trees::run(trees::SetupMaker(model).make({model.drives, {}}), fine, 0, fine.rows() - 1, still, still,
+               out);
+    rows.time_s.clear();
+    for (std::size_t j = 0; j < model.joints(); ++j) rows.angle_rad[j].clear(), rows.input[j].clear();
+    for (std::size_t k = 0; k < fine.rows(); k += kEvery) {
+      rows.time_s.push_back(fine.time_s[k]);
+      for (std::size_t j = 0; j < model.joints(); ++j) {
+        rows.angle_rad[j].push_back(out[k * model.joints() + j]);
+        rows.input[j].push_back(torque_nm(j, fine.time_s[k]));
+      }
+    }
+    rows.interval_s = 0.01;
+    const std::vector<trees::Recording> all{rows};
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), 1);
+    trees::Fit fit;
+    fit.at.drives = model.drives;
+    for (int round = 0; round < 3; ++round) {
+      problem.weigh(fit.at);
+      fit = problem.fit(fit.at, 8);
+    }
+    return fit.at.inputs_late_rows;
+  };
+  CHECK(late_rows(false) == Approx(-0.5).margin(0.02));
+  CHECK(late_rows(true) == Approx(0.4).margin(0.02));
+}
+
 TEST_CASE("A fit finds the damping that logs were made with, within its interval") {
   trees::TreeModel truth = test::double_pendulum("[drive.elbow]\ndamping_nmspr = 0.08\n");
   const trees::TreeModel model = test::double_pendulum(
@@ -162,8 +205,10 @@ TEST_CASE("A fit finds the damping that logs were made with, within its interval
     trees::Fit fit = problem.fit(given, 6);
     problem.weigh(fit.at);
     fit = problem.fit(fit.at, 6);
-    REQUIRE(fit.unknowns.size() == 2);
-    for (std::size_t k = 0; k < 2; ++k) {
+    REQUIRE(fit.unknowns.size() == 3);
+    CHECK(fit.unknowns[0].of_inputs);
+    CHECK(std::abs(fit.at.inputs_late_rows) < 3.0 * std::sqrt(fit.covariance(0, 0)));
+    for (std::size_t k = 1; k < 3; ++k) {
       const double right = truth.drives[fit.unknowns[k].joint].damping_nmspr,
                    found = trees::value_of(fit.at, fit.unknowns[k]);
       const double sd = std::sqrt(fit.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
@@ -227,9 +272,9 @@ TEST_CASE("An interval holds what the recordings do not tell") {
     while (model.robot.links[link].joint != 1) ++link;
     const trees::Fit fit =
         fitted(model, model, {trees::Cause{Effect::com_error, {link}, {0.0, 0.0, 0.0, 0}}});
-    REQUIRE(fit.unknowns.size() == 3);
+    REQUIRE(fit.unknowns.size() == 4);
     std::size_t all_of_it = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 1; k < 4; ++k) {
       const auto [lower, upper] = trees::interval_of(fit, k);
       all_of_it += lower == fit.unknowns[k].lower && upper == fit.unknowns[k].upper ? 1 : 0;
       CHECK(lower - (upper - lower) <= 0.0);
@@ -244,6 +289,7 @@ TEST_CASE("An interval holds what the recordings do not tell") {
     truth.causes = {{Effect::force_offset, {1}, {0.05, 0, 0, 0}}};
     const trees::Fit fit = fitted(model, truth, {{Effect::coulomb_friction, {1}, {0.0, 0, 0, 0}}});
     for (std::size_t k = 0; k < fit.unknowns.size(); ++k) {
+      if (fit.unknowns[k].of_inputs) continue;
       const auto [lower, upper] = trees::interval_of(fit, k);
       INFO(k << ": " << trees::value_of(fit.at, fit.unknowns[k]) << " in " << lower << " to " << upper);
       CHECK(lower <= 0.0);
@@ -258,10 +304,11 @@ TEST_CASE("An interval holds what the recordings do not tell") {
     trees::TreeModel truth = model;
     truth.drives[1].kd_nmsprad = 0.36;
     const trees::Fit fit = fitted(model, truth, {{Effect::position_gain_error, {1}, {8.0, 0.3, 0, 0}}});
-    REQUIRE(fit.unknowns.size() == 3);
+    REQUIRE(fit.unknowns.size() == 4);
     double sum = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 4; ++k) {
       const trees::Unknown& u = fit.unknowns[k];
+      if (u.of_inputs) continue;
       const auto [lower, upper] = trees::interval_of(fit, k);
       const bool stiffness = u.of_cause && u.parameter == 0;
       const double right = stiffness ? 8.0 : u.of_cause ? 0.36 : 0.1;

@@ -326,7 +326,7 @@ TEST_CASE(
   folder.write("identified.urdf", text);
   folder.write("identified_model.toml", trees::format_tree_model(model, "identified.urdf"));
   const trees::TreeModel back = trees::read_tree_model(folder.file("identified_model.toml"));
-  const trees::Setup setup = trees::SetupMaker(model).make(model.drives, model.causes, bodies);
+  const trees::Setup setup = trees::SetupMaker(model).make({model.drives, model.causes, bodies});
   for (std::size_t j = 0; j < model.joints(); ++j) {
     const auto a = back.robot.model.body(j), b = setup.model.body(j);
     const auto same = [](double value) { return Approx(value).epsilon(1e-12).margin(1e-15); };
@@ -416,7 +416,7 @@ TEST_CASE("A diagnosis fits free bodies beside the cause that it finds, and name
   CHECK(d.parameters[0].verdict == "identified");
   // The files for other programs have the fitted body.
   const trees::Setup setup =
-      trees::SetupMaker(model).make(d.extended.drives, d.extended.causes, d.extended.bodies);
+      trees::SetupMaker(model).make(d.extended);
   const model::RobotTree back = model::tree_of(model::parse_urdf(trees::extended_urdf(d), "extended"));
   CHECK(back.model.body(2).mass_kg == Approx(setup.model.body(2).mass_kg).epsilon(1e-12));
   CHECK(back.model.body(2).mass_kg == Approx(d.parameters[0].extended.value).epsilon(1e-12));

@@ -148,7 +148,7 @@ TEST_CASE("Flight and stance run as the planar leg's own plant does") {
     const trees::TreeModel m = tree(machine);
     const Hop h = hop(machine, 1.5);
     const trees::Recording r = trees::recording_of(m, h.log);
-    const trees::Setup setup = trees::SetupMaker(m).make(m.drives, m.causes);
+    const trees::Setup setup = trees::SetupMaker(m).make({m.drives, m.causes});
     REQUIRE(r.phases.size() >= 2);
     for (const trees::Phase& p : r.phases) {
       const std::size_t last = std::min(p.last, p.first + 200);
@@ -176,10 +176,10 @@ TEST_CASE("Effects of springs and links change what they say") {
   const trees::SetupMaker maker(m);
   const trees::Phase &flight = r.phases[0], &stance = r.phases[1];
   const auto at = [&](Effect e, double value, std::size_t site, const trees::Phase& p) {
-    return trees::in_phase(maker.make(m.drives, std::vector<trees::Cause>{{e, {site}, {value}}}), r, p.first);
+    return trees::in_phase(maker.make({m.drives, {{e, {site}, {value}}}}), r, p.first);
   };
-  const trees::Setup air = trees::in_phase(maker.make(m.drives, {}), r, flight.first),
-                     ground = trees::in_phase(maker.make(m.drives, {}), r, stance.first);
+  const trees::Setup air = trees::in_phase(maker.make({m.drives, {}}), r, flight.first),
+                     ground = trees::in_phase(maker.make({m.drives, {}}), r, stance.first);
   CHECK(air.model.laws[3].one_way_nmprad == 0.0);
   CHECK(air.model.foothold.joint == -1);
   CHECK(ground.model.laws[3].one_way_nmprad == 60.67);

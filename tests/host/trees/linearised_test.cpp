@@ -30,9 +30,11 @@ Eigen::VectorXd simulated(const trees::Setup& setup, const trees::Recording& r, 
 
 /// How far the linear change is from that of the runs, of its size.
 double off(const trees::TreeModel& model, const trees::Recording& r, const trees::Window& w,
-           const std::vector<Cause>& as_run, const std::vector<Cause>& with) {
+           const std::vector<Cause>& as_run, const std::vector<Cause>& with, double late_rows = 0.0,
+           double later_rows = 0.0) {
   const trees::SetupMaker maker(model);
-  const trees::Setup base = maker.make(model.drives, as_run), other = maker.make(model.drives, with);
+  const trees::Setup base = maker.make({model.drives, as_run, {}, late_rows}),
+                     other = maker.make({model.drives, with, {}, late_rows + later_rows});
   const Eigen::VectorXd runs = simulated(other, r, w) - simulated(base, r, w);
   const std::vector<double> torque_nm(model.joints(), 1e-3);
   const trees::Setup* const others[] = {&other};
@@ -73,6 +75,21 @@ TEST_CASE("A tree of more joints than lanes carry is made linear all the same") 
   trees::Window w = trees::windows_of(model, all, 0.2)[1];
   CHECK(off(model, all[0], w, {}, {{Effect::force_offset, {3}, {0.001, 0, 0, 0}}}) < 0.05);
   CHECK(off(model, all[0], w, {}, {{Effect::torque_gain_error, {12}, {1.01, 0, 0, 0}}}) < 0.05);
+}
+
+TEST_CASE("A window made linear changes with inputs that are late by part of a row") {
+  const trees::TreeModel model = test::arm3("[drive]\ncontrol_mode = \"torque\"\n");
+  const std::vector<trees::Recording> all{test::inputs(model, 1.5, 0.01, [](std::size_t j, double t) {
+    return 0.8 * std::sin((5.0 + 2.0 * static_cast<double>(j)) * t);
+  })};
+  trees::Window w = trees::windows_of(model, all, 0.4)[1];
+  w.angle_rad = {0.2, -0.3, 0.4};
+  w.velocity_radps = {1.0, 2.0, -3.0};
+  for (const double late_rows : {-0.5, 0.0, 0.4}) {
+    INFO(late_rows);
+    CHECK(off(model, all[0], w, {}, {}, late_rows, 0.02) < 0.05);
+    CHECK(off(model, all[0], w, {}, {{Effect::torque_gain_error, {1}, {1.01, 0, 0, 0}}}, late_rows) < 0.05);
+  }
 }
 
 TEST_CASE("A window made linear changes with each cause as its runs do") {
@@ -141,7 +158,7 @@ TEST_CASE("What the start of a rotor does to its joint is the swing of two bodie
   const trees::Recording r = test::inputs(model, 1.5, 0.001, [](std::size_t, double) { return 0.0; });
   const trees::SetupMaker maker(model);
   const std::vector<Cause> spring{{Effect::joint_elasticity, {0}, {kStiffness_nmprad, 0, 0, 0}}};
-  const trees::Setup stiff = maker.make(model.drives, {}), elastic = maker.make(model.drives, spring);
+  const trees::Setup stiff = maker.make({model.drives, {}}), elastic = maker.make({model.drives, spring});
   const std::vector<trees::Recording> all{r};
   const trees::Window w = trees::windows_of(model, all, 0.4)[1];
   const trees::Setup* const setups[] = {&stiff, &elastic};

@@ -436,7 +436,7 @@ TEST_CASE("Published robots fall as the sum of their links does") {
 
     // 20 ms in motion without torque: the energy of the links stays. The speeds are such that it moves a tenth of it about.
     const double kinetic = 0.5 * rate.dot(before.mass * rate);
-    const trees::Setup setup = trees::SetupMaker(*m).make(m->drives, {});
+    const trees::Setup setup = trees::SetupMaker(*m).make({m->drives, {}});
     trees::Runner runner(setup);
     std::vector<double> start(angle.data(), angle.data() + n), speed(rate.data(), rate.data() + n);
     runner.reset(start, speed);

@@ -57,7 +57,7 @@ trees::TreeModel arm() {
 
 TEST_CASE("The rotor of an elastic drive is found along a recording of its joint") {
   const trees::TreeModel model = arm();
-  const trees::Setup setup = trees::SetupMaker(model).make(model.drives, kSpring);
+  const trees::Setup setup = trees::SetupMaker(model).make({model.drives, kSpring});
   const Made m = made(model, setup, 0.002);
   double rings = 0.0;
   for (std::size_t k = 0; k < m.recording.rows(); ++k)
@@ -80,7 +80,7 @@ TEST_CASE("The rotor of an elastic drive is found along a recording of its joint
 TEST_CASE("A window within the ringing of an elastic drive goes on with it") {
   const trees::TreeModel model = arm();
   const trees::SetupMaker maker(model);
-  const trees::Setup soft = maker.make(model.drives, kSpring), stiff = maker.make(model.drives, {});
+  const trees::Setup soft = maker.make({model.drives, kSpring}), stiff = maker.make({model.drives, {}});
   const Made m = made(model, soft, 0.002);
   const std::vector<trees::Recording> all{m.recording};
   trees::Window w = trees::windows_of(model, all, 0.3)[4];

@@ -18,7 +18,7 @@ constexpr double kGravity_mps2 = 9.81;
 std::vector<double> readings(const trees::TreeModel& m, const trees::Recording& r,
                              const std::vector<Cause>& causes, std::vector<double> angle_rad,
                              std::vector<double> velocity_radps) {
-  const trees::Setup setup = trees::SetupMaker(m).make(m.drives, causes);
+  const trees::Setup setup = trees::SetupMaker(m).make({m.drives, causes});
   std::vector<double> out(r.rows() * m.joints());
   trees::run(setup, r, 0, r.rows() - 1, angle_rad, velocity_radps, out);
   return out;
@@ -149,7 +149,7 @@ TEST_CASE("A run that starts in the middle has what was given before in its dela
   const std::vector<Cause> late{cause(Effect::actuator_delay, 0.0217), cause(Effect::actuator_lag, 0.03)};
   const std::vector<double> all = readings(m, r, late, {0.0}, {0.0});
   // State at row 125 (0.5 s): the velocity by central differences of the run itself at a step of 1 ms.
-  const trees::Setup setup = trees::SetupMaker(m).make(m.drives, late);
+  const trees::Setup setup = trees::SetupMaker(m).make({m.drives, late});
   const double before = all[125], next = all[126];
   std::vector<double> part(r.rows() - 125);
   double low = -5.0, high = 5.0;  // the velocity that makes the next row
@@ -229,7 +229,7 @@ TEST_CASE("On a base that is tilted a pendulum hangs down still") {
   CHECK(apart(r, readings(m, r, {cause(Effect::base_tilt, 0.3, 0.0)}, {0.0}, {0.0}),
               [](double) { return 0.0; }) < 1e-12);
   // R = Ry(pitch) Rx(roll): the third row of R is the vertical in the base's axes.
-  const trees::Setup s = trees::SetupMaker(m).make(m.drives, std::vector{cause(Effect::base_tilt, 0.3, 0.2)});
+  const trees::Setup s = trees::SetupMaker(m).make({m.drives, {cause(Effect::base_tilt, 0.3, 0.2)}});
   CHECK(s.model.gravity_mps2.x == Approx(kGravity_mps2 * std::sin(0.2)));
   CHECK(s.model.gravity_mps2.y == Approx(-kGravity_mps2 * std::cos(0.2) * std::sin(0.3)));
   CHECK(s.model.gravity_mps2.z == Approx(-kGravity_mps2 * std::cos(0.2) * std::cos(0.3)));
@@ -239,7 +239,7 @@ TEST_CASE("Masses, centres, inertias and payloads add up as composite bodies do"
   const trees::TreeModel m = test::pendulum();
   const auto body = [&](std::vector<Cause> causes) {
     for (Cause& c : causes) c.sites = {test::link(m, "rod")};
-    return trees::SetupMaker(m).make(m.drives, causes).model.body(0);
+    return trees::SetupMaker(m).make({m.drives, causes}).model.body(0);
   };
   // 0.8 kg at 0.3 m, 0.025 kg m^2 about its centre.
   const auto given = body({});
@@ -274,9 +274,9 @@ TEST_CASE("A fixed link's causes are in its own axes") {
     return std::array{std::cos(0.1) * u - std::sin(0.1) * y, std::sin(0.1) * u + std::cos(0.1) * y, w - 0.38};
   };
   const trees::SetupMaker maker(m);
-  const auto given = maker.make(m.drives, {}).model.body(elbow);
+  const auto given = maker.make({m.drives, {}}).model.body(elbow);
   const auto loaded =
-      maker.make(m.drives, std::vector{Cause{Effect::payload, {weight}, {0.3, 0.05, -0.04, 0.02}}})
+      maker.make({m.drives, {Cause{Effect::payload, {weight}, {0.3, 0.05, -0.04, 0.02}}}})
           .model.body(elbow);
   const auto at = out(0.05, -0.04, 0.02);
   CHECK(loaded.mass_kg - given.mass_kg == Approx(0.3));
@@ -285,7 +285,7 @@ TEST_CASE("A fixed link's causes are in its own axes") {
   CHECK(loaded.moment_kgm.z - given.moment_kgm.z == Approx(0.3 * at[2]));
   CHECK(loaded.inertia_kgm2.yy - given.inertia_kgm2.yy == Approx(0.3 * (at[0] * at[0] + at[2] * at[2])));
   const auto shifted =
-      maker.make(m.drives, std::vector{Cause{Effect::com_error, {weight}, {0.05, -0.04, 0.02, 0.0}}})
+      maker.make({m.drives, {Cause{Effect::com_error, {weight}, {0.05, -0.04, 0.02, 0.0}}}})
           .model.body(elbow);
   CHECK(shifted.mass_kg == Approx(given.mass_kg));
   CHECK(shifted.moment_kgm.x - given.moment_kgm.x == Approx(0.25 * at[0]));
