@@ -114,10 +114,10 @@ class Assembly {
       : model_(model), options_(options), training_logs_(training), held_out_logs_(held_out) {
     if (!options.trust_columns)
       identify::require_conventions(model, identify::make_recordings(training, model.kind));
-    take({}, {});
+    take();
     refuse_by_residuals();
-    crossed_.emplace(training_, training_windows_,
-                     evenly(identify::prediction_windows(training_, model, options.window_s)));
+    if (other_inputs_fit_better({}, nullptr)) change_inputs();
+    cross();
   }
 
   /// The training recording that disagrees with the others, found by what run() chose.
@@ -129,6 +129,7 @@ class Assembly {
   /// Ends early where a recording disagrees with the others.
   Diagnosis run() {
     select_causes();
+    select_again_with_other_inputs();
     // Slips are each recording's own: one that has a larger one is no other machine.
     if (may_disagree_ && !options_.without.contains(Rule::odd_recording) &&
         !holds(selection_.chosen.effects, Effect::encoder_slip))
@@ -149,6 +150,7 @@ class Assembly {
     confidences();
     no_finding();
     plan();
+    note_inputs();
     note_one_scale();
     note_held_out_that_tells();
     pictures();
@@ -166,6 +168,66 @@ class Assembly {
 
   /// Whether the machine is a belt, whose falls end on one tooth or another: runs jump with what is fitted.
   bool ends_on_teeth() const { return machines::rules(model_.kind).cut == machines::Cut::releases; }
+
+  void cross() {
+    crossed_.emplace(training_, training_windows_,
+                     evenly(identify::prediction_windows(training_, model_, options_.window_s)));
+  }
+
+  /// Whether inputs are a drive's, of which a log may have what is measured at each row's time, or what acts until the next.
+  bool has_drive() const {
+    const machines::Columns& columns = machines::rules(model_.kind).columns;
+    return !columns.input.empty() && columns.touchdown.empty() && !ends_on_teeth();
+  }
+  /// Reads the inputs the other way.
+  void change_inputs() {
+    measured_inputs_ = !measured_inputs_;
+    take();
+  }
+  /// Whether the other way of reading inputs leaves less with these causes, in each window beyond what windows scatter.
+  bool other_inputs_fit_better(const EffectSet& effects, const Hypothesis* from) {
+    constexpr double kSurely = 2.0;  // standard errors
+    if (!has_drive()) return false;
+    const auto left = [&] {
+      const Trainer trainer{model_, training_, training_windows_, options_.threads};
+      const Hypothesis h = trainer.fit(effects, from);
+      const auto wider = effects.empty() ? trainer.widened(h) : std::nullopt;
+      return (wider ? *wider : h).fit.shares;
+    };
+    const auto now = left();
+    change_inputs();
+    const auto other = left();
+    change_inputs();
+    if (now.size() != other.size()) return false;
+    double gain = 0.0, scatter = 0.0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const double more =
+          now[i][identify::Channel::motion].squares - other[i][identify::Channel::motion].squares;
+      gain += more;
+      scatter += more * more;
+    }
+    return gain > kSurely * std::sqrt(scatter * static_cast<double>(training_windows_.layers));
+  }
+  /// The causes may be why one way of reading seemed better than the other: the better end of two searches counts. A drive that is late is late
+  /// after a command, and that is held.
+  void select_again_with_other_inputs() {
+    const Hypothesis first = selection_.chosen;
+    const auto is_late = [](const Hypothesis& h) {
+      return holds(h.effects, Effect::actuator_delay) || holds(h.effects, Effect::actuator_lag) ||
+             holds(h.effects, Effect::time_skew);
+    };
+    const bool late = is_late(first);
+    if (first.effects.empty() || (late ? !measured_inputs_ : !other_inputs_fit_better(first.effects, &first)))
+      return;
+    Selection before = std::move(selection_);
+    change_inputs();
+    cross();
+    select_causes();
+    if (late ? is_late(selection_.chosen) : selection_.chosen.fit.squares < first.fit.squares) return;
+    selection_ = std::move(before);
+    change_inputs();
+    cross();
+  }
 
   /// Of a belt, a fall that ends on another tooth must not outweigh the others: each counts by a loss that is bounded, by the size of most
   /// of them as the re-fitted model leaves them, and then as what is chosen does.
@@ -218,10 +280,10 @@ class Assembly {
 
   using Refuted = std::vector<std::vector<log::Refuted>>;  // rows of each log
 
-  /// Makes recordings and windows of the logs, without these rows.
-  void take(const Refuted& of_training, const Refuted& of_held_out) {
-    training_ = recordings_of(training_logs_, model_, of_training);
-    held_out_ = recordings_of(held_out_logs_, model_, of_held_out);
+  /// Makes recordings and windows of the logs, without the rows that are refuted.
+  void take() {
+    training_ = recordings_of(training_logs_, refuted_in_training_);
+    held_out_ = recordings_of(held_out_logs_, refuted_in_held_out_);
     identify::keep_warm(held_out_, training_);
     training_windows_ = identify::training_windows(training_, model_, options_.window_s);
     d_.windows = training_windows_.windows.size();
@@ -234,11 +296,11 @@ class Assembly {
     require(held_out_windows_, held_out_, "held-out");
   }
 
-  static std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const model::Model& model,
-                                              const Refuted& refuted) {
-    std::vector<Recording> all = identify::make_recordings(logs, model.kind, refuted);
-    identify::follow_manoeuvres(all, model);
-    identify::keep_plausible_leg_angles(all, model);
+  std::vector<Recording> recordings_of(const std::vector<log::Log>& logs, const Refuted& refuted) const {
+    std::vector<Recording> all = identify::make_recordings(logs, model_.kind, refuted);
+    if (measured_inputs_) identify::take_as_measured(all);
+    identify::follow_manoeuvres(all, model_);
+    identify::keep_plausible_leg_angles(all, model_);
     identify::mend_velocities(all);
     return all;
   }
@@ -247,7 +309,6 @@ class Assembly {
   void refuse_by_residuals() {
     constexpr int kRounds = 2;
     if (machines::rules(model_.kind).held) return;
-    Refuted of_training, of_held_out;
     for (int round = 0; round < kRounds; ++round) {
       const model::Model refitted =
           Trainer{model_, training_, training_windows_, options_.threads}.fit({}, nullptr).fitted;
@@ -255,10 +316,10 @@ class Assembly {
         return identify::refuted_rows(refitted, recordings,
                                       identify::prediction_windows(recordings, model_, options_.window_s));
       };
-      const bool in_training = identify::add_refuted(of_training, refuted(training_));
-      const bool in_held_out = identify::add_refuted(of_held_out, refuted(held_out_));
+      const bool in_training = identify::add_refuted(refuted_in_training_, refuted(training_));
+      const bool in_held_out = identify::add_refuted(refuted_in_held_out_, refuted(held_out_));
       if (!in_training && !in_held_out) return;
-      take(of_training, of_held_out);
+      take();
     }
   }
 
@@ -893,6 +954,12 @@ class Assembly {
       if (f.undecided) f.next_experiment = text;
   }
 
+  void note_inputs() {
+    if (measured_inputs_)
+      d_.notes.push_back(
+          "Inputs count as measured at the rows' times: between two rows the mean of both acts. The recordings are likelier so than with inputs that are held until the next row.");
+  }
+
   /// Mass and damping of an axis that are wrong by one factor are a wrong scale of its force, or of its position.
   void note_one_scale() {
     if (model_.kind != dynamics::Kind::motor_axis) return;
@@ -982,6 +1049,8 @@ class Assembly {
   const std::vector<log::Log>&training_logs_, &held_out_logs_;
   bool may_disagree_ = false;
   std::optional<identify::Disagreement> disagreement_;
+  Refuted refuted_in_training_, refuted_in_held_out_;
+  bool measured_inputs_ = false;  ///< see identify::take_as_measured()
   std::vector<Recording> training_, held_out_;
   std::vector<Recording>
       recorded_;  // held out, with their slips as they are; where those are not in held_out_

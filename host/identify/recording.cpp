@@ -173,6 +173,16 @@ std::vector<Slip> find_slips(const std::vector<double>& time_s, const std::vecto
   return found;
 }
 
+void sum_inputs(Recording& r) {
+  r.impulse.assign(r.rows(), 0.0);
+  r.driven_s.assign(r.rows(), 0.0);
+  for (std::size_t i = 1; i < r.rows(); ++i) {
+    const double interval_s = r.time_s[i] - r.time_s[i - 1];
+    r.impulse[i] = r.impulse[i - 1] + r.input[i - 1] * interval_s;
+    r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
+  }
+}
+
 }  // namespace
 
 LocalPolynomial local_polynomial(const std::vector<double>& time_s, const std::vector<double>& values,
@@ -264,13 +274,7 @@ Recording make_recording(const log::Log& raw, dynamics::Kind kind, const std::ve
     r.input = log.at(std::string(columns.input));
   r.drive_command = given(columns.command);
   r.contact = given(columns.stop);
-  r.impulse.assign(r.rows(), 0.0);
-  r.driven_s.assign(r.rows(), 0.0);
-  for (std::size_t i = 1; i < r.rows(); ++i) {
-    const double interval_s = r.time_s[i] - r.time_s[i - 1];
-    r.impulse[i] = r.impulse[i - 1] + r.input[i - 1] * interval_s;
-    r.driven_s[i] = r.driven_s[i - 1] + (r.input[i - 1] != 0.0 ? interval_s : 0.0);
-  }
+  sum_inputs(r);
   r.solenoid = given(columns.coil);
   if (std::all_of(r.solenoid.begin(), r.solenoid.end(), [](double on) { return on == 0.0; }))
     r.solenoid.clear();
@@ -340,6 +344,13 @@ std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynami
                           " never moves by more than its noise, in any recording; expected motion");
   for (Recording& r : all) r.position_noise = std::max(r.position_noise, kShare * noise);
   return all;
+}
+
+void take_as_measured(std::vector<Recording>& recordings) {
+  for (Recording& r : recordings) {
+    for (std::size_t i = 0; i + 1 < r.rows(); ++i) r.input[i] = 0.5 * (r.input[i] + r.input[i + 1]);
+    sum_inputs(r);
+  }
 }
 
 const Recording* goes_on_from(const Recording& r, const std::vector<Recording>& earlier) {

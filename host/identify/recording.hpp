@@ -91,6 +91,9 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind,
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,
                                        const std::vector<std::vector<log::Refuted>>& refuted = {});
 
+/// Between two rows the mean of their inputs acts, in place of the first one's: of forces and torques that are measured at the rows' times.
+void take_as_measured(std::vector<Recording>& recordings);
+
 /// The recording that this one goes on from, the end of one log being held out: of the same name, and before it; nothing where there is none.
 const Recording* goes_on_from(const Recording& r, const std::vector<Recording>& earlier);
 

@@ -264,10 +264,7 @@ std::vector<BaseParameter> base_parameters(const TreeModel& model, const Hypothe
   const Eigen::VectorXd given = inertial_parameters(robot);
   const BaseStructure structure = base_structure(robot);
   const Eigen::VectorXd value = structure.combination * given,
-                        with_causes =
-                            structure.combination *
-                            inertial_parameters(
-                                maker.make(extended).model);
+                        with_causes = structure.combination * inertial_parameters(maker.make(extended).model);
   const std::size_t n = model.joints(), count = structure.leading.size();
   // What each is measured by; without one, its unit.
   const Eigen::VectorXd bodies = most(given);

@@ -168,11 +168,11 @@ class Diagnoser {
       const double rows = fit.at.inputs_late_rows;
       if (!fit.at_bound[k] && std::abs(rows) < kSurely * std::sqrt(variance_of(fit, k))) continue;
       const double time_ms = 1e3 * std::abs(rows) * training_.front().interval_s;
-      d_.notes.push_back("Inputs act " + core::rounded(std::abs(rows), 2) + " rows (" +
-                         core::rounded(time_ms, 2) + " ms) " +
-                         (rows < 0.0 ? "before their rows, as torques do that are measured at the rows' times"
-                                     : "after their rows, as commands do that wait for the drive's next tick") +
-                         ". That is allowed for, and no cause.");
+      d_.notes.push_back(
+          "Inputs act " + core::rounded(std::abs(rows), 2) + " rows (" + core::rounded(time_ms, 2) + " ms) " +
+          (rows < 0.0 ? "before their rows, as torques do that are measured at the rows' times"
+                      : "after their rows, as commands do that wait for the drive's next tick") +
+          ". That is allowed for, and no cause.");
     }
   }
   void say(double fraction, std::string_view doing) const {

@@ -16,13 +16,13 @@ constexpr double kOfBody = 0.1;
 bool inputs_may_be_late(const TreeModel& model, const Hypothesis& h) {
   for (std::size_t j = 0; j < model.joints(); ++j) {
     if (!model.driven(j)) continue;
-    const bool delayed =
-        std::any_of(h.causes.begin() + static_cast<std::ptrdiff_t>(std::min(model.causes.size(), h.causes.size())),
-                    h.causes.end(), [&](const Cause& c) {
-                      return c.effect == Effect::time_skew ||
-                             (c.effect == Effect::actuator_delay &&
-                              std::find(c.sites.begin(), c.sites.end(), j) != c.sites.end());
-                    });
+    const bool delayed = std::any_of(
+        h.causes.begin() + static_cast<std::ptrdiff_t>(std::min(model.causes.size(), h.causes.size())),
+        h.causes.end(), [&](const Cause& c) {
+          return c.effect == Effect::time_skew ||
+                 (c.effect == Effect::actuator_delay &&
+                  std::find(c.sites.begin(), c.sites.end(), j) != c.sites.end());
+        });
     if (!delayed) return true;
   }
   return false;

@@ -64,7 +64,9 @@ class Inputs {
   }
 
  private:
-  double mean(double from_s, double span_s) const { return (until(from_s + span_s) - until(from_s)) / span_s; }
+  double mean(double from_s, double span_s) const {
+    return (until(from_s + span_s) - until(from_s)) / span_s;
+  }
   double until(double t) const {
     const auto end = time_s_.begin() + static_cast<std::ptrdiff_t>(sum_.size());
     const auto after = std::upper_bound(time_s_.begin(), end, t);

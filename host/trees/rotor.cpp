@@ -32,8 +32,10 @@ Rotor::Rotor(const Setup& setup, const Recording& recording, std::size_t joint, 
   const double measured = r_.angle_rad[joint][from],
                torque = drive_.lag_s > 0.0
                             ? made_torque(drive_, lagged_nm_, measured)
-                            : made_torque(drive_, asked_torque(drive_, input_in_force(drive_, r_, joint, row), measured, v),
-                                          measured);
+                            : made_torque(
+                                  drive_,
+                                  asked_torque(drive_, input_in_force(drive_, r_, joint, row), measured, v),
+                                  measured);
   angle_rad_ = q + (torque + drive_.offset_nm - law_.rotor_damping_nmspr * v) / law_.drive_stiffness_nmprad;
   rate_radps_ = v;
 }

@@ -25,7 +25,7 @@ struct SetupOf {
     double delay_s = 0.0;  ///< below zero where the log's clocks are apart
     /// Between -1 and 1: of the row before (of the one after, below 0) the input has this share.
     double late_rows = 0.0;
-    T limit_nm{0.0};       ///< 0: none
+    T limit_nm{0.0};  ///< 0: none
     T ripple_nm{0.0}, ripple_cycles{0.0}, ripple_phase_rad{0.0};
     T offset_nm{0.0};  ///< on the joint
     /// Of a spring beside the drive, as Spring has it: its rest less that of the touch-down, and the touch-down's delay.

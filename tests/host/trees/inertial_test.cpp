@@ -415,8 +415,7 @@ TEST_CASE("A diagnosis fits free bodies beside the cause that it finds, and name
   CHECK(d.parameters[0].extended.upper > 1.3);
   CHECK(d.parameters[0].verdict == "identified");
   // The files for other programs have the fitted body.
-  const trees::Setup setup =
-      trees::SetupMaker(model).make(d.extended);
+  const trees::Setup setup = trees::SetupMaker(model).make(d.extended);
   const model::RobotTree back = model::tree_of(model::parse_urdf(trees::extended_urdf(d), "extended"));
   CHECK(back.model.body(2).mass_kg == Approx(setup.model.body(2).mass_kg).epsilon(1e-12));
   CHECK(back.model.body(2).mass_kg == Approx(d.parameters[0].extended.value).epsilon(1e-12));

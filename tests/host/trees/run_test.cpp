@@ -276,17 +276,15 @@ TEST_CASE("A fixed link's causes are in its own axes") {
   const trees::SetupMaker maker(m);
   const auto given = maker.make({m.drives, {}}).model.body(elbow);
   const auto loaded =
-      maker.make({m.drives, {Cause{Effect::payload, {weight}, {0.3, 0.05, -0.04, 0.02}}}})
-          .model.body(elbow);
+      maker.make({m.drives, {Cause{Effect::payload, {weight}, {0.3, 0.05, -0.04, 0.02}}}}).model.body(elbow);
   const auto at = out(0.05, -0.04, 0.02);
   CHECK(loaded.mass_kg - given.mass_kg == Approx(0.3));
   CHECK(loaded.moment_kgm.x - given.moment_kgm.x == Approx(0.3 * at[0]));
   CHECK(loaded.moment_kgm.y - given.moment_kgm.y == Approx(0.3 * at[1]));
   CHECK(loaded.moment_kgm.z - given.moment_kgm.z == Approx(0.3 * at[2]));
   CHECK(loaded.inertia_kgm2.yy - given.inertia_kgm2.yy == Approx(0.3 * (at[0] * at[0] + at[2] * at[2])));
-  const auto shifted =
-      maker.make({m.drives, {Cause{Effect::com_error, {weight}, {0.05, -0.04, 0.02, 0.0}}}})
-          .model.body(elbow);
+  const auto shifted = maker.make({m.drives, {Cause{Effect::com_error, {weight}, {0.05, -0.04, 0.02, 0.0}}}})
+                           .model.body(elbow);
   CHECK(shifted.mass_kg == Approx(given.mass_kg));
   CHECK(shifted.moment_kgm.x - given.moment_kgm.x == Approx(0.25 * at[0]));
   CHECK(shifted.moment_kgm.z - given.moment_kgm.z == Approx(0.25 * (at[2] + 0.38)));
