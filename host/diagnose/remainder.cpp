@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <tuple>
 
 #include "host/core/quantile.hpp"
@@ -15,6 +16,7 @@
 #include "host/identify/simulate.hpp"
 #include "host/identify/unknowns.hpp"
 #include "host/linear/linear.hpp"
+#include "host/machines/hopper.hpp"
 #include "host/machines/rules.hpp"
 
 namespace furcula::diagnose {
@@ -30,7 +32,26 @@ struct Sample {
   double position = 0, velocity = 0, acceleration = 0, input = 0, input_rate = 0, input_before = 0,
          time_s = 0;
   double since_touchdown_s = -1, since_liftoff_s = -1;  ///< below 0: not since then
+  std::array<double, 3> remembered{};                   ///< see remembered()
 };
+
+/// What a machine remembers of its positions, of a hopper of its leg's compression: means over the past, which is forgotten with these time
+/// constants. A spring that creeps hangs on that.
+constexpr std::array<double, 3> kMemory_s{0.05, 0.2, 0.8};
+std::vector<std::array<double, 3>> remembered(const model::Model& model, const Recording& r) {
+  const bool leg = dynamics::has(model.kind, dynamics::LocationType::leg);
+  const double straight_m = leg ? machines::touchdown_height_m(model) : 0.0;
+  std::vector<std::array<double, 3>> out(r.rows());
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double seen =
+        leg ? std::max(0.0, r.touchdown_height_m(i, straight_m) - r.position[i]) : r.position[i];
+    for (std::size_t k = 0; k < kMemory_s.size(); ++k) {
+      const double kept = i > 0 ? std::exp(-(r.time_s[i] - r.time_s[i - 1]) / kMemory_s[k]) : 0.0;
+      out[i][k] = i > 0 ? kept * out[i - 1][k] + (1.0 - kept) * seen : leg ? 0.0 : seen;
+    }
+  }
+  return out;
+}
 
 /// A free run over a window, and what small changes do to it: state i + 1 is by[i] times state i and force[i] times a force in between.
 struct Linear {
@@ -79,7 +100,8 @@ std::size_t free_rows(const std::vector<Cumulative>& run) {
   return rows;
 }
 
-std::optional<Linear> linearised(const model::Model& model, const Recording& r, const Window& w) {
+std::optional<Linear> linearised(const model::Model& model, const Recording& r, const Window& w,
+                                 const std::vector<std::array<double, 3>>* memory = nullptr) {
   constexpr std::size_t kFewestFreeRows = 20;
   constexpr double kBefore_s = 0.01;
   auto start = identify::start_state(r, w, model);
@@ -126,6 +148,7 @@ std::optional<Linear> linearised(const model::Model& model, const Recording& r, 
     while (before < row && r.time_s[before + 1] <= r.time_s[row] - kBefore_s) ++before;
     s.input_before = r.input[before] - r.input[row];
     s.time_s = r.time_s[row] - r.time_s.front();
+    if (memory != nullptr) s.remembered = (*memory)[row];
     if (stride && row >= w.touchdown && row < w.liftoff)
       s.since_touchdown_s = r.time_s[row] - r.time_s[w.touchdown];
     if (stride && row >= w.liftoff) s.since_liftoff_s = r.time_s[row] - r.time_s[w.liftoff];
@@ -137,8 +160,13 @@ std::optional<Linear> linearised(const model::Model& model, const Recording& r, 
 std::vector<Linear> linearised(const model::Model& model, const std::vector<Recording>& recordings,
                                const std::vector<Window>& windows) {
   std::vector<Linear> all;
-  for (const Window& w : windows)
-    if (auto one = linearised(model, recordings[w.recording], w)) all.push_back(std::move(*one));
+  std::map<std::size_t, std::vector<std::array<double, 3>>> memory;
+  for (const Window& w : windows) {
+    const Recording& r = recordings[w.recording];
+    const auto own = memory.try_emplace(w.recording);
+    if (own.second) own.first->second = remembered(model, r);
+    if (auto one = linearised(model, r, w, &own.first->second)) all.push_back(std::move(*one));
+  }
   return all;
 }
 
@@ -196,8 +224,11 @@ class Basis {
       put(s.input_before / u_);
       put(s.input / u_ * (2 * place - 1));
     }
+    if (!leg_)
+      for (const double mean : s.remembered) put((s.position - mean) / std::max(high_ - low_, 1e-9));
     if (leg_) {
       const double stance = s.since_touchdown_s >= 0 ? 1.0 : 0.0;
+      for (const double mean : s.remembered) put(stance * mean / std::max(high_ - low_, 1e-9));
       put(stance);
       put(stance * v);
       put(stance * way);

@@ -70,7 +70,7 @@ std::string why_unexplained(const Diagnosis& d) {
     return ". A flexible law of the motion, the input and the time, learned on the training recordings, takes off " +
            number(100.0 * left.predictable.share, 2) + " % of the held-out squares, with a " +
            (left.unit == "N" ? "force" : "torque") + " of " + number(left.predictable.force, 2) + " " +
-           left.unit;
+           left.unit + (d.correlated_with.empty() ? "" : "; " + d.correlated_with.front().description);
   if (left.is_coloured())
     return ". The filter's innovations in successive rows are correlated (" +
            number(left.new_finds.correlation, 2) + "): they are not sensor noise";
@@ -78,7 +78,9 @@ std::string why_unexplained(const Diagnosis& d) {
     return ". The held-out recordings lack " + number(left.random_force_held_out, 2) + " " + left.unit +
            " that the training recordings do not: another machine, or one that has changed";
   if (!left.repeats())
-    return ". It looks like " + random_force(d) + ", which nothing in the recordings predicts";
+    return ". It looks like " + random_force(d) +
+           (d.correlated_with.empty() ? ", which nothing in the recordings predicts"
+                                      : "; " + d.correlated_with.front().description);
   return "";
 }
 

@@ -60,6 +60,7 @@ constexpr LawInfo kLaws[] = {
     // Changing with time.
     {"warming_friction",     kOutside, true,  true,  true,  true,  {"force_n", "time_constant_s"}, true},
     {"fading_spring",        kOutside, true,  false, false, false, {"share", "time_constant_s"}},
+    {"creeping_spring",      kOutside, true,  false, false, false, {"share", "time_constant_s"}},
     {"catch_scatter",        kOutside, false, false, false, false, {"spread_s"}, true},
     // Electrical.
     {"drive_dropout",        kOutside, true,  true,  true,  false, {"duration_s", "rate_hz"}},

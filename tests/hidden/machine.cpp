@@ -154,6 +154,9 @@ Machine::Machine(const Truth& truth, double position, double velocity, double st
     } else if (is("fading_spring")) {
       fading_ = v0;
       fading_s_ = v1;
+    } else if (is("creeping_spring")) {
+      creep_ = v0;
+      creep_s_ = v1;
     }
     // All others are in the drive (drive.cpp) or in the sensors (rig.cpp).
   }
@@ -217,7 +220,8 @@ Machine::Leg Machine::leg(const State& s, double t) const {
   out.sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   const double spring = elastic_force(length, t);
   const double motor = rotor_end_ == 0 && half_gap_rad_ > 0 ? 0.0 : torque(s, t);
-  double still = spring + preload_n_ - motor / (2.0 * link_length_m_ * out.sine);
+  double still =
+      spring - creep_ * stiffness_npm_ * s[kCrept] + preload_n_ - motor / (2.0 * link_length_m_ * out.sine);
   still += bump_npm_ * std::max(0.0, touchdown_height_m_ - length - bump_compression_m_);
   if (hysteresis_ != 0 && direction_ != 0) still -= hysteresis_ * std::abs(spring) * direction_;
   if (sticking_n_ >= 0 && length > touchdown_height_m_)
@@ -312,6 +316,8 @@ Machine::State Machine::rates(const State& s, double t) const {
   r[kX] = s[kV];
   r[kV] = a;
   if (ground_npm_ > 0 && stance_) r[kToe] = leg(s, t).toe_velocity;
+  if (creep_ != 0)  // a spring beside a spring and damper in series, which follow its compression
+    r[kCrept] = ((stance_ ? touchdown_height_m_ - (s[kX] - s[kToe]) : 0.0) - s[kCrept]) / creep_s_;
   if (side_mass_ > 0) {  // its position and velocity against the body's
     r[kSideX] = s[kSideV];
     r[kSideV] = -(side_stiffness_ * s[kSideX] + side_damping_ * s[kSideV]) / side_mass_ - a;

@@ -94,8 +94,8 @@ class Machine {
   void take_over(const Drive& drive) { drive_ = drive; }
 
  private:
-  // Body; toe; the side mass against its rest; the rotor against the leg.
-  enum Coordinate : std::size_t { kX, kV, kToe, kSideX, kSideV, kGap, kGapV, kCoordinates };
+  // Body; toe; the side mass against its rest; the rotor against the leg; by how much the spring has crept.
+  enum Coordinate : std::size_t { kX, kV, kToe, kSideX, kSideV, kGap, kGapV, kCrept, kCoordinates };
   using State = std::array<double, kCoordinates>;
   struct Leg {
     double force;         // on the body, N
@@ -127,6 +127,7 @@ class Machine {
 
   bool hopper_, rotary_, carriage_;                 // none of them: a motor axis
   double inertia_ = 1, damping_ = 0, gravity_ = 0;  // kg or kg m^2; of the axis or guide; m/s^2 or N m
+  double creep_ = 0, creep_s_ = 1;                  // of the spring: which share, how soon
   double stiffness_npm_ = 0, rest_height_m_ = 0, leg_damping_nspm_ = 0, link_length_m_ = 1;
   double restitution_touchdown_ = 1, restitution_liftoff_ = 1, touchdown_height_m_ = 0;
 

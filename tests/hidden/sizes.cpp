@@ -174,6 +174,7 @@ Planted hopper_law(std::string_view law, Size size, const model::Model& model, R
     return planted(law, {{random.uniform(4, 8), random.uniform(0.05, 0.12), random.uniform(2, 4)}});
   if (is("warming_friction")) return planted(law, {{random.uniform(2, 4), random.uniform(1, 3)}});
   if (is("fading_spring")) return planted(law, {{random.uniform(0.1, 0.2), random.uniform(1, 3)}});
+  if (is("creeping_spring")) return planted(law, {{random.uniform(0.15, 0.3), random.uniform(0.2, 0.6)}});
   if (is("drive_dropout")) return planted(law, {{0.02, random.uniform(4, 8)}});
   if (is("drive_deadband")) return planted(law, {{random.uniform(0.4, 0.7)}});
   if (is("sticking_counts")) return planted(law, {{random.uniform(0.8e-3, 2e-3)}});

@@ -481,6 +481,15 @@ TEST_CASE("A resonator in a rotary joint gets no name with confidence") {
   CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
 }
 
+TEST_CASE("A spring that creeps gets no name with confidence", "[slow]") {
+  const Case c =
+      draw_case({20261153, Kind::hopper_linear, {"creeping_spring"}, Size::medium, Nominal::scattered, true});
+  const Judgement j = judge(c, diagnosed(c, kThreads));
+  INFO(c.description());
+  INFO(j.said);
+  CHECK(std::string(name(j.outcome)) == std::string(name(Outcome::honest)));
+}
+
 TEST_CASE("A damping and a skew of the clocks that a hopper hides are both found", "[slow]") {
   expect_both(
       {31350, Kind::hopper_linear, {"damping_error", "time_skew"}, Size::large, Nominal::wrong, true});

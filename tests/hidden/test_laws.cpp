@@ -311,6 +311,13 @@ TEST_CASE("A fading spring lets the body sink") {
         Approx(kRest - kMass * kG / (0.8 * kRate)).epsilon(1e-5));
 }
 
+TEST_CASE("A creeping spring lets the body sink by what it gives up of its compression from the stop") {
+  // At rest: rate (rest - z) - share rate (stop - z) = weight.
+  const double share = 0.3;
+  CHECK(rest_height({{"creeping_spring", {share, 0.4}}}) ==
+        Approx((kRest - share * kTouchdown - kMass * kG / kRate) / (1.0 - share)).epsilon(1e-5));
+}
+
 TEST_CASE(
     "A drive that drops out is off for its share of the time, and a dead band swallows small commands") {
   Drive drive({{"drive_dropout", {0.02, 5.0}}}, 0.0, 3);

@@ -13,10 +13,11 @@ namespace {
 
 constexpr double kWindow_s = 0.5;
 
-/// Of a case, with the parameters that its machine really has.
-diagnose::Remainder remainder_of(const Case& c) {
+/// Of a case, with the parameters that its machine really has; a spring that rests lower by so much.
+diagnose::Remainder remainder_of(const Case& c, double lower_m = 0.0) {
   model::Model model = c.model;
   model.parameters = c.truth.parameters;
+  if (lower_m > 0.0) model.parameters[*dynamics::parameter_index(c.kind, "rest_height_m")] -= lower_m;
   const auto training = identify::make_recordings(c.training, c.kind),
              held_out = identify::make_recordings(c.held_out, c.kind);
   const auto left =
@@ -86,6 +87,19 @@ TEST_CASE("A law that the model lacks is predictable under disturbance") {
     CHECK(left.predictable.force == Approx(c.truth.planted[0].values[0]).epsilon(0.35));
     CHECK(left.predictable.share > 0.7);
   }
+}
+
+TEST_CASE("What a spring gives up the longer it was compressed is predictable, of its past") {
+  // Most of it is that of a spring which rests lower: the model has the one that leaves the least.
+  const Case c = draw_case(question("hopper_linear", 951, true, "creeping_spring"));
+  diagnose::Remainder left = remainder_of(c);
+  for (const double lower_m : {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3})
+    if (auto other = remainder_of(c, lower_m); other.random_force < left.random_force)
+      left = std::move(other);
+  INFO("predictable " << left.predictable.force << ", share " << left.predictable.share << ", "
+                      << left.predictable.deviations << " standard errors; crossed " << left.crossed.share);
+  CHECK(left.is_structured());
+  CHECK(left.predictable.share > 0.85);
 }
 
 TEST_CASE("A force that swings with the time, in no state's step, is no repeatability") {

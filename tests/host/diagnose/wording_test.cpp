@@ -77,13 +77,17 @@ TEST_CASE(
   d.remainder->random_force = 1.5;
   CHECK(holds(
       "It looks like a random force of 1.5 N (7.5 % of the input's root mean square), which nothing in the recordings predicts"));
+  d.correlated_with.emplace_back().description = "the remaining force swings with 2.7 Hz";
+  CHECK(holds(
+      "It looks like a random force of 1.5 N (7.5 % of the input's root mean square); the remaining force swings with 2.7 Hz"));
   d.remainder->random_force_held_out = 4.0;
   CHECK(holds("The held-out recordings lack 4 N that the training recordings do not"));
   d.remainder->predictable.deviations = 6.0;
   d.remainder->predictable.noises = 3.0;
   d.remainder->predictable.force = 1.1;
   d.remainder->predictable.share = 0.4;
-  CHECK(holds("takes off 40 % of the held-out squares, with a force of 1.1 N"));
+  CHECK(holds(
+      "takes off 40 % of the held-out squares, with a force of 1.1 N; the remaining force swings with 2.7 Hz"));
 }
 
 TEST_CASE("A parameter of the model that is wrong is said with both values, beside the laws that it lacks") {
