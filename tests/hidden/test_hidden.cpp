@@ -445,8 +445,7 @@ TEST_CASE("A constant torque that helps no recording is not named beside a wrong
 }
 
 TEST_CASE("A torque that is seen in the position is no noise, and the model not adequate") {
-  const Case c = draw_case(question_of(Tier::outside, 20261127, 8));
-  REQUIRE(c.question.laws == std::vector<std::string>{"torque_crosstalk"});
+  const Case c = draw_case(question_of(Tier::outside, 20261127, 8, "rotary_joint", "torque_crosstalk"));
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
   INFO(c.description());
   INFO(judge(c, d).said);
@@ -455,8 +454,7 @@ TEST_CASE("A torque that is seen in the position is no noise, and the model not 
 }
 
 TEST_CASE("A slip beside which the held-out recordings are far off is doubted", "[slow]") {
-  const Case c = draw_case(question_of(Tier::outside, 20261127, 16));
-  REQUIRE(c.question.laws == std::vector<std::string>{"torque_crosstalk"});
+  const Case c = draw_case(question_of(Tier::outside, 20261127, 16, "hopper_linear", "torque_crosstalk"));
   const diagnose::Diagnosis d = diagnosed(c, kThreads);
   INFO(c.description());
   INFO(judge(c, d).said);
