@@ -162,9 +162,11 @@ TEST_CASE("A fit finds where between rows inputs act") {
   const auto late_rows = [&](bool held) {
     trees::Recording fine = test::inputs(model, 3.0, 1e-3, torque_nm), rows = fine;
     for (std::size_t j = 0; j < model.joints(); ++j)
-      for (std::size_t k = 0; k < fine.rows(); ++k)
-        fine.input[j][k] = torque_nm(j, held ? 0.01 * static_cast<double>((k + kEvery - kLate) / kEvery - 1)
-                                             : fine.time_s[k] + 0.5e-3);
+      for (std::size_t k = 0; k < fine.rows(); ++k) {
+        const std::size_t rows_told = (k + kEvery - kLate) / kEvery;
+        fine.input[j][k] =
+            torque_nm(j, held ? 0.01 * (static_cast<double>(rows_told) - 1.0) : fine.time_s[k] + 0.5e-3);
+      }
     const std::vector<double> still(model.joints());
     std::vector<double> out(fine.rows() * model.joints());
     trees::run(trees::SetupMaker(model).make({model.drives, {}}), fine, 0, fine.rows() - 1, still, still,
