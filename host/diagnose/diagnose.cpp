@@ -184,7 +184,7 @@ class Assembly {
     measured_inputs_ = !measured_inputs_;
     take();
   }
-  /// Whether the other way of reading inputs leaves less with these causes, in each window beyond what windows scatter.
+  /// Whether the other way of reading inputs leaves less with these causes, by more than chance makes of the windows.
   bool other_inputs_fit_better(const EffectSet& effects, const Hypothesis* from) {
     constexpr double kSurely = 2.0;  // standard errors
     if (!has_drive()) return false;

@@ -56,8 +56,8 @@ void add_priors(const Hypothesis& h, const std::vector<Unknown>& unknowns, Produ
   }
 }
 
-/// How damped steps are, and what stands beside a normal matrix. Of bodies, of which something is known beforehand, no direction is without information, and
-/// a direction that has little must not be lost beside one that has much.
+/// How damped steps are, and what stands beside a normal matrix. Of bodies, of which something is known beforehand, no direction is without
+/// information, and a direction that has little must not be lost beside one that has much.
 struct Stepping {
   double damping, least, more, ridge, of_largest;
 };
@@ -429,8 +429,11 @@ void Problem::derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd
 
 double Problem::timing_doubt(const Cause& cause) const {
   // One that has all drives has the part of a row in it that nobody knows.
-  if (cause.effect == Effect::time_skew || cause.effect == Effect::actuator_delay)
-    return inputs_may_be_late(model_, {{}, {cause}}) ? 0.0 : kMostLate_rows / std::sqrt(3.0) * interval_s();
+  if (cause.effect == Effect::time_skew || cause.effect == Effect::actuator_delay) {
+    Hypothesis alone{{}, model_.causes};
+    alone.causes.push_back(cause);
+    return inputs_may_be_late(model_, alone) ? 0.0 : kMostLate_rows / std::sqrt(3.0) * interval_s();
+  }
   if (cause.effect != Effect::latch_delay && cause.effect != Effect::latch_offset) return 0.0;
   double sd_s = 0.0, rates = 0.0, stances = 0.0;
   for (const Recording& r : recordings_) {

@@ -32,8 +32,8 @@ bool inputs_may_be_late(const TreeModel& model, const Hypothesis& h);
 double value_of(const Hypothesis& h, const Unknown& u);
 void set_value(Hypothesis& h, const Unknown& u, double value);
 
-/// When inputs change (Hypothesis::inputs_late_rows), the model's free parameters, its drives' and then its bodies', then the parameters of the causes that the model does not have of
-/// its own: each with the bounds and the change that matters on this machine.
+/// When inputs act (Hypothesis::inputs_late_rows), the model's free parameters, its drives' and then its bodies', then the parameters of the
+/// causes that the model does not have of its own: each with the bounds and the change that matters on this machine.
 std::vector<Unknown> unknowns_of(const TreeModel& model, const Scales& scales, const Hypothesis& h);
 
 /// The stiffest spring between drive and joint that a fit looks at: the rotor rings on it with 130 Hz.

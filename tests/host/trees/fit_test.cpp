@@ -195,6 +195,21 @@ TEST_CASE("A fit finds where between rows inputs act") {
   CHECK(late_rows(true) == Approx(0.4).margin(0.02));
 }
 
+TEST_CASE("A skew is known no better than when in a row inputs act, beside causes that the model has, too") {
+  for (const bool given : {false, true}) {
+    trees::TreeModel model = test::double_pendulum("[drive]\ncontrol_mode = \"torque\"\n");
+    if (given) model.causes = {{Effect::coulomb_friction, {1}, {0.02, 0, 0, 0}}};
+    const auto all = recordings(model, test::logs(model, 2, 3.0, 4));
+    trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), 2);
+    trees::Hypothesis h{model.drives, model.causes};
+    h.causes.push_back({Effect::time_skew, {0}, {1e-3, 0, 0, 0}});
+    problem.weigh(h);
+    const trees::Fit fit = problem.fit(h, 4);
+    REQUIRE(fit.unknowns.size() == 1);
+    CHECK(std::sqrt(fit.covariance(0, 0)) > problem.interval_s() / std::sqrt(12.0));
+  }
+}
+
 TEST_CASE("A fit finds the damping that logs were made with, within its interval") {
   trees::TreeModel truth = test::double_pendulum("[drive.elbow]\ndamping_nmspr = 0.08\n");
   const trees::TreeModel model = test::double_pendulum(
