@@ -7,11 +7,12 @@
 #include <utility>
 
 #include "host/core/parallel.hpp"
+#include "host/floating/random_effect.hpp"
 
 namespace furcula::floating {
 namespace {
 
-constexpr std::size_t kMostCauses = 6, kRivals = 24;
+constexpr std::size_t kMostCauses = 6, kRivals = 24, kFitted = 4;
 constexpr double kAsLikely = 3.0;  // odds of 20
 constexpr double kTick_s =
     1e-3;  // of the board's loop and of a simulation: a command may act so much earlier or later
@@ -45,150 +46,90 @@ std::vector<Candidate> candidates(const Machine& model, const std::vector<Unknow
   return all;
 }
 
-/// A window's information and score of some columns, its own unknowns integrated out.
-struct Reduced {
-  Eigen::MatrixXd with_nuisance, nuisance;  ///< candidates by nuisance; nuisance by nuisance
-  Eigen::VectorXd information, score, nuisance_score;
+/// A window's squares of some columns of theta, its own unknowns integrated out: those of the window, and numbers of which each window has its own value.
+struct Squares {
+  Eigen::MatrixXd information;  ///< of the columns
+  Eigen::VectorXd score;
+  double y = 0.0, log_determinant = 0.0, rows = 0.0;  ///< of y; of its covariance; how many numbers
+
+  double at(const Eigen::VectorXd& theta) const {
+    return y - 2.0 * score.dot(theta) + theta.dot(information * theta);
+  }
 };
 
-Reduced reduced(const LinearWindow& l, const Variances& v, const std::vector<std::size_t>& candidates,
-                const std::vector<std::size_t>& nuisances, const std::vector<double>& spreads) {
+/// Numbers whose values differ from window to window with a spread.
+struct Own {
+  std::vector<std::size_t> unknowns;
+  std::vector<double> spreads;
+};
+
+Squares squares(const LinearWindow& l, const Variances& v, const std::vector<std::size_t>& columns,
+                const Own& own) {
+  Squares s;
   Eigen::VectorXd inverse_sd(l.y.size());
-  for (Eigen::Index k = 0; k < l.y.size(); ++k)
-    inverse_sd[k] = 1.0 / std::sqrt(v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)]);
-  const Eigen::VectorXd y = inverse_sd.cwiseProduct(l.y);
-  const Eigen::MatrixXd a = inverse_sd.asDiagonal() * l.a(Eigen::all, candidates),
-                        n = inverse_sd.asDiagonal() * l.a(Eigen::all, nuisances);
-  // Named causes are the last of the nuisances; their windows' own values are unknowns of the window.
-  const auto own = l.c.cols(), named = static_cast<Eigen::Index>(spreads.size());
-  Eigen::MatrixXd c(l.y.size(), own + named);
-  c.leftCols(own) = inverse_sd.asDiagonal() * l.c;
-  for (Eigen::Index k = 0; k < own; ++k)
+  for (Eigen::Index k = 0; k < l.y.size(); ++k) {
+    const double variance = v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)];
+    inverse_sd[k] = 1.0 / std::sqrt(variance);
+    s.log_determinant += std::log(variance);
+  }
+  const auto of_window = l.c.cols(), further = static_cast<Eigen::Index>(own.unknowns.size());
+  Eigen::MatrixXd c(l.y.size(), of_window + further);
+  c.leftCols(of_window) = inverse_sd.asDiagonal() * l.c;
+  for (Eigen::Index k = 0; k < of_window; ++k)
     c.col(k) *= std::sqrt(v.local[group_of(l.locals[static_cast<std::size_t>(k)])]);
-  for (Eigen::Index k = 0; k < named; ++k)
-    c.col(own + k) = spreads[static_cast<std::size_t>(k)] * n.col(n.cols() - named + k);
+  c.rightCols(further) = inverse_sd.asDiagonal() * l.a(Eigen::all, own.unknowns);
+  for (Eigen::Index k = 0; k < further; ++k) c.col(of_window + k) *= own.spreads[static_cast<std::size_t>(k)];
   Eigen::MatrixXd m = Eigen::MatrixXd::Identity(c.cols(), c.cols());
   m.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
   const Eigen::LLT<Eigen::MatrixXd> solver(m);
-  const auto taken = [&](const auto& x) -> Eigen::MatrixXd {
-    return solver.matrixL().solve(c.transpose() * x);
-  };
-  const Eigen::MatrixXd ca = taken(a), cn = taken(n);
-  const Eigen::VectorXd cy = taken(y);
-  Reduced r;
-  r.information = (a.colwise().squaredNorm() - ca.colwise().squaredNorm()).transpose();
-  r.with_nuisance = a.transpose() * n - ca.transpose() * cn;
-  r.nuisance = n.transpose() * n - cn.transpose() * cn;
-  r.score = a.transpose() * y - ca.transpose() * cy;
-  r.nuisance_score = n.transpose() * y - cn.transpose() * cy;
-  return r;
+  const Eigen::VectorXd y = inverse_sd.cwiseProduct(l.y), cy = solver.matrixL().solve(c.transpose() * y);
+  const Eigen::MatrixXd a = inverse_sd.asDiagonal() * l.a(Eigen::all, columns),
+                        ca = solver.matrixL().solve(c.transpose() * a);
+  s.information = a.transpose() * a - ca.transpose() * ca;
+  s.score = a.transpose() * y - ca.transpose() * cy;
+  s.y = y.squaredNorm() - cy.squaredNorm();
+  s.rows = static_cast<double>(y.size());
+  s.log_determinant += 2.0 * Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
+  return s;
 }
 
-/// Of the standard normal distribution below `z`; far below, by the first term of its asymptotic series.
-double log_normal_tail(double z) {
-  return z > -30.0 ? std::log(0.5 * std::erfc(-z / std::sqrt(2.0)))
-                   : -0.5 * z * z - std::log(-z * std::sqrt(2.0 * M_PI));
-}
+/// Numbers that were named: where they are, and how far windows' own values scatter about it. Prior standard deviations.
+struct Named {
+  std::vector<std::size_t> unknowns;
+  Eigen::VectorXd theta;
+  std::vector<double> spreads;
 
-/// A number in windows' estimates, given the spread of the windows' own values.
-class Spread {
- public:
-  Spread(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
-         const std::vector<std::size_t>& phase) {
-    for (Eigen::Index w = 0; w < information.size(); ++w)
-      if (information[w] > 1e-12)
-        seen_.push_back(
-            {score[w] / information[w], 1.0 / information[w], phase[static_cast<std::size_t>(w)]});
-    phases_.resize(phase.empty() ? 0 : 1 + *std::max_element(phase.begin(), phase.end()));
+  Named with(std::size_t unknown, double at, double spread) const {
+    Named n = *this;
+    n.unknowns.push_back(unknown), n.spreads.push_back(spread);
+    n.theta.conservativeResize(theta.size() + 1);
+    n.theta[theta.size()] = at;
+    return n;
   }
 
-  /// How likely the windows are if theta is normal with that variance, by Laplace's approximation about the likeliest theta that iterations from
-  /// `from` on end at, with the weights of the last one in place of Student's curvature.
-  double log_evidence(double spread, double prior_variance, double from, RandomEffect& out) {
-    constexpr int kSweeps = 20;
-    const double between = spread * spread;
-    double posterior = 0.0;
-    out = {0.0, from, 0.0, spread};
-    for (Phase& p : phases_) p.at = from;
-    for (int k = 0; k < kSweeps; ++k) {
-      for (Phase& p : phases_) p.mean = p.precision = 0.0;
-      for (const Seen& s : seen_) {
-        Phase& p = phases_[s.phase];
-        const double variance = s.variance + between, off = s.x - p.at;
-        const double weight = (kFreedom + 1.0) / (kFreedom + off * off / variance) / variance;
-        p.mean += weight * s.x, p.precision += weight;
-      }
-      posterior = prior_variance > 0.0 ? 1.0 / prior_variance : 0.0;
-      double weighted = 0.0;
-      for (Phase& p : phases_) {
-        if (!(p.precision > 0.0)) continue;
-        p.mean /= p.precision;
-        const double of_phase = p.precision / (1.0 + between * p.precision);
-        posterior += of_phase, weighted += of_phase * p.mean;
-      }
-      out.theta = prior_variance > 0.0 ? weighted / posterior : 0.0;
-      for (Phase& p : phases_)
-        p.at = out.theta + (p.mean - out.theta) * between * p.precision / (1.0 + between * p.precision);
-    }
-    double sum = 0.0;
-    for (const Seen& s : seen_) {
-      const double variance = s.variance + between, off = s.x - phases_[s.phase].at;
-      sum -= 0.5 * (std::log(variance) + (kFreedom + 1.0) * std::log1p(off * off / (kFreedom * variance)));
-    }
-    for (const Phase& p : phases_) {
-      if (!(p.precision > 0.0)) continue;
-      sum -= 0.5 * std::log1p(between * p.precision);
-      if (between > 0.0) sum -= 0.5 * (p.at - out.theta) * (p.at - out.theta) / between;
-    }
-    if (prior_variance > 0.0)
-      sum -= 0.5 * (out.theta * out.theta / prior_variance + std::log(prior_variance * posterior));
-    out.sd = posterior > 0.0 ? 1.0 / std::sqrt(posterior) : 0.0;
-    return sum;
+  Named without(std::size_t k) const {
+    Named n;
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      if (i != k) n = n.with(unknowns[i], theta[static_cast<Eigen::Index>(i)], spreads[i]);
+    return n;
   }
-
- private:
-  struct Seen {
-    double x, variance;
-    std::size_t phase;
-  };
-  struct Phase {
-    double at = 0.0, mean = 0.0, precision = 0.0;
-  };
-  std::vector<Seen> seen_;
-  std::vector<Phase> phases_;
 };
 
-}  // namespace
-
-RandomEffect random_effect(const Eigen::VectorXd& information, const Eigen::VectorXd& score,
-                           const std::vector<std::size_t>& phase, double tick, bool positive) {
-  constexpr int kSpreads = 40;
-  Spread windows(information, score, phase);
-  RandomEffect best, here;
-  double with = -std::numeric_limits<double>::infinity(), without = with, last = 0.0;
-  // From the widest spread on, at which windows' values hardly pull: the mode of one is near that of the next.
-  for (int k = 0; k <= kSpreads; ++k) {
-    const double spread = k == kSpreads ? 0.0 : std::pow(10.0, 1.5 - 3.5 * k / (kSpreads - 1));
-    without = std::max(without, windows.log_evidence(spread, tick * tick, 0.0, here));
-    for (const double from : {0.0, last}) {
-      double l = windows.log_evidence(spread, 1.0 + tick * tick, from, here);
-      if (positive) l += std::log(2.0) + log_normal_tail(here.theta / here.sd);
-      if (l > with) with = l, best = here;
-    }
-    last = here.theta;
-  }
-  best.log_bayes_factor = with - without;
-  return best;
-}
-
-namespace {
-
-/// Evidence of numbers in windows, given numbers that are known to differ.
+/// Windows about a machine, and what they say of numbers.
 class Evidences {
  public:
-  Evidences(const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
-            const std::vector<Variances>& variances, std::vector<std::size_t> simulator, unsigned threads)
-      : linear_(linear), variances_(variances), simulator_(std::move(simulator)), threads_(threads) {
+  Evidences(const Machine& model, const std::vector<Unknown>& unknowns,
+            const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+            std::vector<LinearWindow> linear, std::vector<Local> locals, const Settings& settings)
+      : model_(model),
+        unknowns_(unknowns),
+        recordings_(recordings),
+        windows_(windows),
+        settings_(settings),
+        linear_(std::move(linear)),
+        locals_(std::move(locals)) {
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      if (of_simulator(unknowns[i])) simulator_.unknowns.push_back(i), simulator_.spreads.push_back(1.0);
     constexpr std::size_t kPhases = 4;  // later ones are alike
     std::size_t further = 4 * kPhases;
     for (const Window& w : windows) {
@@ -196,35 +137,45 @@ class Evidences {
       // On the stand no ground acts: each window is by itself.
       phase_.push_back(stance == 0 ? further++ : std::min(w.phase, kPhases - 1) * 4 + stance);
     }
+    estimate_variances();
   }
 
   /// Of `all`, where each of `named` differs by an amount that is sought, and from window to window by its spread.
-  std::vector<RandomEffect> operator()(const std::vector<Candidate>& all,
-                                       const std::vector<std::size_t>& named,
-                                       const std::vector<double>& spreads) const {
-    std::vector<std::size_t> columns, nuisances = simulator_;
+  std::vector<RandomEffect> operator()(const std::vector<Candidate>& all, const Named& named) const {
+    std::vector<std::size_t> columns;
     for (const Candidate& c : all) columns.push_back(c.unknown);
-    nuisances.insert(nuisances.end(), named.begin(), named.end());
-    std::vector<Reduced> parts(linear_.size());
-    core::parallel_for(linear_.size(), threads_, [&](std::size_t w) {
-      parts[w] = reduced(linear_[w], variances_[w], columns, nuisances, spreads);
-    });
-    // What is common to all windows of the nuisances, at its most likely, is taken off.
-    const auto n = static_cast<Eigen::Index>(nuisances.size()), n_all = static_cast<Eigen::Index>(all.size()),
-               windows = static_cast<Eigen::Index>(linear_.size());
-    Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n), with = Eigen::MatrixXd::Zero(n_all, n);
-    for (const Reduced& r : parts) precision += r.nuisance, with += r.with_nuisance;
-    const Eigen::MatrixXd share = precision.llt().solve(with.transpose()).transpose();
-    Eigen::MatrixXd information(windows, n_all), score(windows, n_all);
-    for (Eigen::Index w = 0; w < windows; ++w) {
-      const Reduced& r = parts[static_cast<std::size_t>(w)];
-      information.row(w) = (r.information - 2.0 * share.cwiseProduct(r.with_nuisance).rowwise().sum() +
-                            (share * r.nuisance).cwiseProduct(share).rowwise().sum())
-                               .transpose();
-      score.row(w) = (r.score - share * r.nuisance_score).transpose();
+    columns.insert(columns.end(), named.unknowns.begin(), named.unknowns.end());
+    Own own = simulator_;
+    own.unknowns.insert(own.unknowns.end(), named.unknowns.begin(), named.unknowns.end());
+    own.spreads.insert(own.spreads.end(), named.spreads.begin(), named.spreads.end());
+    const std::vector<Squares> parts = squares_of(linear_, columns, own);
+    // What is common to all windows of the named ones, at its most likely, is taken off.
+    const auto n_all = static_cast<Eigen::Index>(all.size()),
+               n = static_cast<Eigen::Index>(named.unknowns.size()),
+               count = static_cast<Eigen::Index>(parts.size());
+    Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n), with = Eigen::MatrixXd::Zero(n, n_all);
+    Eigen::VectorXd score_of_named = Eigen::VectorXd::Zero(n);
+    for (const Squares& s : parts) {
+      precision += s.information.bottomRightCorner(n, n);
+      with += s.information.bottomLeftCorner(n, n_all);
+      score_of_named += s.score.tail(n);
+    }
+    const Eigen::LLT<Eigen::MatrixXd> solver(precision);
+    const Eigen::MatrixXd share = solver.solve(with);  // of a named one in each candidate
+    const Eigen::VectorXd common = solver.solve(score_of_named);
+    Eigen::MatrixXd information(count, n_all), score(count, n_all);
+    for (Eigen::Index w = 0; w < count; ++w) {
+      const Squares& s = parts[static_cast<std::size_t>(w)];
+      const auto both = s.information.bottomLeftCorner(n, n_all);
+      const auto of_named = s.information.bottomRightCorner(n, n);
+      information.row(w) = s.information.diagonal().head(n_all).transpose() -
+                           2.0 * share.cwiseProduct(both).colwise().sum() +
+                           share.cwiseProduct(of_named * share).colwise().sum();
+      score.row(w) = (s.score.head(n_all) - both.transpose() * common).transpose() -
+                     (s.score.tail(n) - of_named * common).transpose() * share;
     }
     std::vector<RandomEffect> out(all.size());
-    core::parallel_for(all.size(), threads_, [&](std::size_t k) {
+    core::parallel_for(all.size(), settings_.threads, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);
       out[k] =
           random_effect(information.col(column), score.col(column), phase_, all[k].tick, all[k].positive);
@@ -232,31 +183,89 @@ class Evidences {
     return out;
   }
 
+  /// Moves the named numbers to where they are likeliest, the same in all windows, which are linearised about them. @returns the logarithm of the
+  /// posterior there, by Laplace's approximation and with the present variances: by its difference one set of numbers is likelier than another.
+  double fit(Named& named) const {
+    constexpr int kSteps = 3;
+    std::vector<Unknown> those;
+    for (const std::size_t i : named.unknowns) those.push_back(unknowns_[i]);
+    std::vector<std::size_t> columns(those.size());
+    std::iota(columns.begin(), columns.end(), std::size_t{0});
+    Point point = at(model_, those, named.theta, locals_);
+    double best = -std::numeric_limits<double>::infinity();
+    for (int k = 0; k < kSteps; ++k) {
+      refit_locals(recordings_, windows_, first_variances(), point, settings_);
+      const std::vector<Squares> parts = squares_of(
+          linearised(recordings_, windows_, first_variances(), those, point, settings_), columns, {});
+      const auto n = point.theta.size();
+      Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
+      Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
+      double here = -0.5 * point.theta.squaredNorm();
+      for (const Squares& s : parts) {
+        // Student's t over windows, as in a fit of all numbers.
+        const double left = s.at(point.theta), weight = (kFreedom + s.rows) / (kFreedom + left);
+        precision += weight * s.information, score += weight * s.score;
+        here -= 0.5 * (s.log_determinant + (kFreedom + s.rows) * std::log1p(left / kFreedom));
+      }
+      const Eigen::LLT<Eigen::MatrixXd> solver(precision);
+      here -= Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
+      if (!(here > best)) break;
+      best = here, named.theta = point.theta;
+      point = at(model_, those, solver.solve(score), point.locals);
+    }
+    return best;
+  }
+
+  /// Goes to these numbers: windows are linearised about them from here on.
+  void go_to(const Named& named) {
+    Eigen::VectorXd theta = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
+    for (std::size_t k = 0; k < named.unknowns.size(); ++k)
+      theta[static_cast<Eigen::Index>(named.unknowns[k])] = named.theta[static_cast<Eigen::Index>(k)];
+    Point point = at(model_, unknowns_, theta, locals_);
+    refit_locals(recordings_, windows_, first_variances(), point, settings_);
+    linear_ = linearised(recordings_, windows_, first_variances(), unknowns_, point, settings_);
+    locals_ = point.locals;
+    estimate_variances();
+  }
+
  private:
-  const std::vector<LinearWindow>& linear_;
-  const std::vector<Variances>& variances_;
-  const std::vector<std::size_t> simulator_;
-  const unsigned threads_;
+  void estimate_variances() { variances_ = estimated(linear_, first_variances(), settings_.threads); }
+
+  std::vector<Squares> squares_of(const std::vector<LinearWindow>& linear,
+                                  const std::vector<std::size_t>& columns, const Own& own) const {
+    std::vector<Squares> out(linear.size());
+    core::parallel_for(linear.size(), settings_.threads,
+                       [&](std::size_t w) { out[w] = squares(linear[w], variances_[w], columns, own); });
+    return out;
+  }
+
+  const Machine& model_;
+  const std::vector<Unknown>& unknowns_;
+  const std::vector<Recording>& recordings_;
+  const std::vector<Window>& windows_;
+  const Settings& settings_;
+  std::vector<LinearWindow> linear_;
+  std::vector<Local> locals_;
+  std::vector<Variances> variances_;
+  Own simulator_;
   std::vector<std::size_t> phase_;
 };
 
 }  // namespace
 
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
-                          const std::vector<Window>& windows, const std::vector<LinearWindow>& linear,
-                          const std::vector<Variances>& variances, unsigned threads) {
+                          const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                          std::vector<LinearWindow> linear, const std::vector<Local>& locals,
+                          const Settings& settings) {
   std::vector<Candidate> all = candidates(model, unknowns);
-  std::vector<std::size_t> simulator;
-  for (std::size_t i = 0; i < unknowns.size(); ++i)
-    if (of_simulator(unknowns[i])) simulator.push_back(i);
   const double prior = std::log(static_cast<double>(all.size()));
-  const Evidences evidences(windows, linear, variances, simulator, threads);
+  Evidences evidences(model, unknowns, recordings, windows, std::move(linear), locals, settings);
 
   std::vector<Cause> found;
-  std::vector<std::size_t> named;
-  std::vector<double> spreads;
+  Named named;
+  std::vector<Candidate> of_named;
   while (found.size() < kMostCauses) {
-    const std::vector<RandomEffect> effects = evidences(all, named, spreads);
+    const std::vector<RandomEffect> effects = evidences(all, named);
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -272,12 +281,10 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n);
     for (Eigen::Index other = 0; n > 1 && other < n; ++other) {
       const std::size_t k = rivals[static_cast<std::size_t>(other)];
-      std::vector<std::size_t> and_it = named;
-      std::vector<double> its_spread = spreads;
-      and_it.push_back(all[k].unknown), its_spread.push_back(effects[k].spread);
       std::vector<Candidate> those;
       for (const std::size_t r : rivals) those.push_back(all[r]);
-      const std::vector<RandomEffect> given = evidences(those, and_it, its_spread);
+      const std::vector<RandomEffect> given =
+          evidences(those, named.with(all[k].unknown, effects[k].theta, effects[k].spread));
       for (Eigen::Index one = 0; one < n; ++one)
         left(one, other) = given[static_cast<std::size_t>(one)].log_bayes_factor;
     }
@@ -286,25 +293,49 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
     Eigen::Index first = 0;
     for (Eigen::Index r = 1; r < n; ++r)
       if (ahead.row(r).minCoeff() > ahead.row(first).minCoeff()) first = r;
-    const std::size_t best = rivals[static_cast<std::size_t>(first)];
+    Eigen::VectorXd behind = ahead.row(first).transpose();
+    // The leading ones by themselves: a law is not linear where a joint sticks, and one step from the model may favour another.
+    std::vector<Eigen::Index> leading(static_cast<std::size_t>(n));
+    std::iota(leading.begin(), leading.end(), Eigen::Index{0});
+    std::stable_sort(leading.begin(), leading.end(),
+                     [&](Eigen::Index a, Eigen::Index b) { return behind[a] < behind[b]; });
+    leading.resize(std::min(leading.size(), kFitted));
+    std::vector<Named> fitted;
+    std::vector<double> likely;
+    for (const Eigen::Index r : leading) {
+      const std::size_t k = rivals[static_cast<std::size_t>(r)];
+      fitted.push_back(named.with(all[k].unknown, effects[k].theta, effects[k].spread));
+      likely.push_back(evidences.fit(fitted.back()));
+    }
+    const auto winner =
+        static_cast<std::size_t>(std::max_element(likely.begin(), likely.end()) - likely.begin());
+    const double moved = behind[leading[winner]];
+    behind.array() -= moved;
+    for (std::size_t k = 0; k < leading.size(); ++k) behind[leading[k]] = likely[winner] - likely[k];
+    const std::size_t best = rivals[static_cast<std::size_t>(leading[winner])];
     const RandomEffect& e = effects[best];
-    const auto behind = [&](std::size_t k) {
-      const auto at = std::find(rivals.begin(), rivals.end(), k);
-      return at != rivals.end() ? ahead(first, at - rivals.begin())
-                                : effects[rivals.front()].log_bayes_factor - effects[k].log_bayes_factor;
-    };
     Cause cause{all[best].unknown, e.theta, e.sd, e.spread, 0.0, {}};
     double odds = std::exp(prior - e.log_bayes_factor);  // of none
     for (std::size_t k = 0; k < all.size(); ++k) {
       if (k == best) continue;
-      odds += std::exp(-behind(k));
-      if (behind(k) < kAsLikely) cause.correlated_with.push_back(all[k].unknown);
+      const auto at = std::find(rivals.begin(), rivals.end(), k);
+      const double b = at != rivals.end()
+                           ? behind[at - rivals.begin()]
+                           : effects[rivals.front()].log_bayes_factor - effects[k].log_bayes_factor;
+      odds += std::exp(-b);
+      if (b < kAsLikely) cause.correlated_with.push_back(all[k].unknown);
     }
     cause.confidence = 1.0 / (1.0 + odds);
-    named.push_back(cause.unknown);
-    spreads.push_back(cause.spread);
     found.push_back(std::move(cause));
+    named = fitted[winner];
+    of_named.push_back(all[best]);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
+    // What windows say of each about where all are.
+    evidences.go_to(named);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const RandomEffect now = evidences({of_named[k]}, named.without(k)).front();
+      found[k].theta = now.theta, found[k].sd = now.sd, found[k].spread = named.spreads[k] = now.spread;
+    }
   }
   return found;
 }

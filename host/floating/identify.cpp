@@ -77,7 +77,6 @@ Machine with_best_simulator(const Machine& model, const std::vector<Recording>& 
   for (const double ramp_radps : {0.01, 0.003}) {
     Machine m = best.machine;
     m.robot.creep_radps = ramp_radps;
-    biped::make_possible(model, m);
     if (!attempt(m)) break;
   }
   return best.machine;
@@ -265,8 +264,7 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   Fit fit(model, out.unknowns, recordings, windows, options.settings);
   // The fit keeps the variances of the priors: those with the model as it is hold what the fit shall find.
   out.causes =
-      causes(model, out.unknowns, windows, fit.linear(),
-             estimated(fit.linear(), first_variances(), options.settings.threads), options.settings.threads);
+      causes(model, out.unknowns, recordings, windows, fit.linear(), fit.point().locals, options.settings);
   if (options.start) fit.begin_at(*options.start);
   for (bool further = true; further && out.iterations < options.iterations; ++out.iterations) {
     say(0.3 + 0.6 * out.iterations / options.iterations, "fitting all numbers");
@@ -274,6 +272,7 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   }
   out.theta = fit.point().theta;
   out.machine = fit.point().machine;
+  biped::make_possible(given, out.machine);  // the ramp of dry friction, for walks
   out.sd = fit.sd();
   say(0.9, "windows of the identified robot");
   out.after = window_errors(out.machine, recordings, options);

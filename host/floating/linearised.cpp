@@ -97,7 +97,10 @@ Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen
   Point p{model, theta, locals};
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     unknowns[i].add(p.machine, theta[static_cast<Eigen::Index>(i)] * unknowns[i].prior_sd);
-  if (biped::make_possible(model, p.machine))
+  const double creep_radps = p.machine.robot.creep_radps;
+  const bool changed = biped::make_possible(model, p.machine);
+  p.machine.robot.creep_radps = creep_radps;  // windows keep a joint's ramp as wide as it must be
+  if (changed)
     for (std::size_t i = 0; i < unknowns.size(); ++i)
       p.theta[static_cast<Eigen::Index>(i)] =
           (unknowns[i].value(p.machine) - unknowns[i].value(model)) / unknowns[i].prior_sd;

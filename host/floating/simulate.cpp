@@ -28,6 +28,8 @@ using T = SimdBatch<double, kLanes>;
 using L = LegScalar<T>;
 static_assert(std::is_same_v<L, T>);
 constexpr double kHold_s = 0.5e-3;  // a board gives targets each millisecond: in the mean half of it late
+constexpr double kRampOf_nm = 5.0;  // dry friction with which a ramp is as wide as the machine says
+constexpr double kLittle_nm = 1e-6;
 constexpr double kTakeUp_nm = 2.0;  // over which a gear's backlash is taken up
 
 Mat3<double> turned(const Vec3<double>& t) {
@@ -307,7 +309,8 @@ class Batch {
     Actions<T> act;
     FootContact<T> feet;
     contact(plant_, state_, k, act.foot, feet);
-    const T inverse_creep = T(1.0 / plant_.creep_radps), inverse_take_up = T(1.0 / kTakeUp_nm), one = T(1.0);
+    const T ramp_nmspr = T(kRampOf_nm / plant_.creep_radps), inverse_take_up = T(1.0 / kTakeUp_nm),
+            one = T(1.0);
     for (std::size_t side = 0; side < 2; ++side) {
       const auto& turn = k.legs[side].foot_rotation;
       act.foot[side].n = act.foot[side].n + transposed_times(turn, moment_[side]);
@@ -327,10 +330,16 @@ class Batch {
           const T share = one / (one + c * d.kp_nmprad);
           const T play = drives_.backlash[side][j] * clamped(T(pull * share * inverse_take_up), one);
           const T motor = clamped(T((pull - d.kp_nmprad * play) * share), d.limit_nm);
-          joint += motor - d.damping_nmspr * qd - d.friction_nm * saturated(qd, inverse_creep);
-          // A drive's damping acts at the mean of the rates before and after the kick.
-          act.armature_kgm2[side][j] =
-              d.armature_kgm2 + T(0.5 * h_s) * (d.kd_nmsprad * share + d.damping_nmspr);
+          // More dry friction does not change a joint that sticks: what is given is the ramp's slope. Through a steeper one it would jump in a step.
+          const T slope = smaller(ramp_nmspr, T(2.0 / h_s) * d.armature_kgm2);
+          const T dry = clamped(T(slope * qd), d.friction_nm);
+          joint += motor - d.damping_nmspr * qd - dry;
+          // A drive's damping acts at the mean of the rates before and after the kick, that of the ramp at the rate after it.
+          const T beyond = larger(slope * qd, T(T(0.0) - slope * qd)) - d.friction_nm;
+          const T stuck = one - clamped(T(larger(beyond, T(0.0)) / (d.friction_nm + T(kLittle_nm))), one);
+          act.armature_kgm2[side][j] = d.armature_kgm2 +
+                                       T(0.5 * h_s) * (d.kd_nmsprad * share + d.damping_nmspr) +
+                                       T(h_s) * stuck * slope;
           twist_[side][j] = c * motor + play;
         }
         act.torque_nm[side][j] = joint;

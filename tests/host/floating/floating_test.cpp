@@ -7,6 +7,7 @@
 #include "host/biped/machine_toml.hpp"
 #include "host/core/random.hpp"
 #include "host/floating/identify.hpp"
+#include "host/floating/random_effect.hpp"
 #include "host/walk/exercise.hpp"
 #include "host/walk/simulation.hpp"
 #include "host/walk/walk_file.hpp"
