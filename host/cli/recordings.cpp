@@ -177,7 +177,8 @@ Logs read_logs(const RecordingOptions& options, const std::string& rig) {
   r.training = read(options.logs);
   r.held_out = read(options.held_out);
   if (options.held_out.empty())
-    std::tie(r.training, r.held_out) = identify::split(std::move(r.training), options.seed);
+    std::tie(r.training, r.held_out) =
+        identify::split(std::move(r.training), options.seed, options.least_logs);
   return r;
 }
 

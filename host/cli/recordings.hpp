@@ -26,6 +26,7 @@ struct RecordingOptions {
   double window_s = 0.0;  ///< 0: 0.5 s, on a tree 0.3 s
   unsigned threads = 0;   ///< 0: as many as the machine has
   std::uint64_t seed = 1;
+  std::size_t least_logs = 2;  ///< below so many the last quarter of each is held out
   bool trust_columns = false;
   bool accept_inertias = false;  ///< of a tree
 

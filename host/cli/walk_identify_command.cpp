@@ -1,10 +1,12 @@
 // `furcula walk identify`: all numbers of a walking robot from its recordings, as a model that walks are searched on.
 #include "host/cli/walk_identify_command.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/cli/errors.hpp"
@@ -59,8 +61,16 @@ void identify(const RecordingOptions& o) {
     for (const auto& [from, to] :
          {std::pair(&logs.training, &training), std::pair(&logs.held_out, &held_out)})
       for (const log::Log& log : *from) {
-        to->push_back(floating::recording_of(log));
-        to->back().passive_hips = floating::passive_hips(model.machine, to->back(), options);
+        floating::Recording recording = floating::recording_of(log);
+        const auto whole = std::find_if(training.begin(), training.end(), [&](const floating::Recording& r) {
+          return r.file == recording.file;  // of which it is the last quarter
+        });
+        // The robot may have fallen before.
+        if (whole != training.end() && floating::windows_of(recording, 0, options.window_s).empty()) continue;
+        recording.passive_hips = whole != training.end()
+                                     ? whole->passive_hips
+                                     : floating::passive_hips(model.machine, recording, options);
+        to->push_back(std::move(recording));
       }
     found = floating::identify(model.machine, training, options);
     if (!held_out.empty()) {
@@ -100,6 +110,7 @@ void identify(const RecordingOptions& o) {
 
 void add_walk_identify_command(CLI::App& walk) {
   auto o = std::make_shared<RecordingOptions>();
+  o->least_logs = 5;  // an exercise and a walk tell of different things
   CLI::App* command = walk.add_subcommand(
       "identify", "All numbers of a walking robot from its recordings, as a model to search walks on");
   command->add_option("logs", o->logs, "Logs or ROS 2 bags, at least one")->required();
@@ -107,8 +118,8 @@ void add_walk_identify_command(CLI::App& walk) {
   command->add_option("--map", o->map, "Map file (TOML) for logs with other column names");
   command->add_option(
       "--hold-out", o->held_out,
-      "Logs that the fit does not see (put another option or -- after them); without it a seeded fifth, of one log its "
-      "last quarter");
+      "Logs that the fit does not see (put another option or -- after them); without it a seeded fifth, of fewer than "
+      "five logs the last quarter of each");
   command->add_option("--window-s", o->window_s, "Length of a window, s; without it 0.3");
   command->add_option("--threads", o->threads, "Threads; the result is the same for any number");
   command->add_option("--seed", o->seed, "Seed of the choice of held-out logs")->capture_default_str();

@@ -30,18 +30,20 @@ log::Log part(const log::Log& log, std::size_t first, std::size_t last) {
 
 }  // namespace
 
-std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs,
-                                                              std::uint64_t seed) {
+std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs, std::uint64_t seed,
+                                                              std::size_t least_logs) {
   if (logs.empty()) throw core::DataError("no log given; expected at least one");
   std::pair<std::vector<log::Log>, std::vector<log::Log>> out;
-  if (logs.size() == 1) {
-    const std::size_t rows = logs.front().rows(), cut = rows - rows / 4;
-    if (rows < 80)
-      throw core::DataError(
-          logs.front().path + ": " + std::to_string(rows) +
-          " rows are too few to hold a quarter of them out; expected at least 80, or --hold-out");
-    out.first.push_back(part(logs.front(), 0, cut));
-    out.second.push_back(part(logs.front(), cut, rows));
+  if (logs.size() < least_logs) {
+    for (const log::Log& log : logs) {
+      const std::size_t rows = log.rows(), cut = rows - rows / 4;
+      if (rows < 80)
+        throw core::DataError(
+            log.path + ": " + std::to_string(rows) +
+            " rows are too few to hold a quarter of them out; expected at least 80, or --hold-out");
+      out.first.push_back(part(log, 0, cut));
+      out.second.push_back(part(log, cut, rows));
+    }
     return out;
   }
   std::mt19937_64 random(seed);

@@ -1,6 +1,7 @@
 // Which recordings are held out where the user does not say.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -9,9 +10,9 @@
 
 namespace furcula::identify {
 
-/// Splits logs into training and held-out ones: a seeded fifth, at least one; of a single log its last
-/// quarter.
-/// @throws core::DataError where there is no log, or a single one of fewer than 80 rows.
-std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs, std::uint64_t seed);
+/// Splits logs into training and held-out ones: a seeded fifth, at least one; of fewer than `least_logs` the last quarter of each.
+/// @throws core::DataError where there is no log, or one of fewer than 80 rows of which a quarter is to be held out.
+std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs, std::uint64_t seed,
+                                                              std::size_t least_logs = 2);
 
 }  // namespace furcula::identify

@@ -102,4 +102,13 @@ TEST_CASE(
   const auto [first, last] = identify::split({test::axis_log(95.0, 203.5, 0.0, 1, 4.0)}, 3);
   CHECK(first[0].rows() == 3 * last[0].rows() + 1);
   CHECK(last[0].time_s().front() > first[0].time_s().back());
+  // Where each log is of another kind all are to be seen.
+  const auto [four, quarters] = identify::split(axis_logs(4), 3, 5);
+  REQUIRE(four.size() == 4);
+  REQUIRE(quarters.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(four[i].path == quarters[i].path);
+    CHECK(four[i].rows() >= 3 * quarters[i].rows());
+  }
+  CHECK(identify::split(axis_logs(5), 3, 5).second.size() == 1);
 }
