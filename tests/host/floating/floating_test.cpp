@@ -1,5 +1,6 @@
 // Recordings of a walking robot, made by the project's own simulation here (in MuJoCo: tests/robot): what windows are, what is refused, and that
 // numbers that a robot differs in are found within a fit of all.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
@@ -317,6 +318,36 @@ TEST_CASE("a window of the stand hardly depends on the step") {
     worst = std::max(worst, (coarse - fine).cwiseAbs().maxCoeff());
   }
   CHECK(worst < 5e-5);  // noise of an encoder
+}
+
+TEST_CASE("more dry friction does not move a joint that sticks, and holds one that slides") {
+  walk::Walk walk = test::found_walk("active");
+  walk.exercise_s = 8.0;
+  log::Log log = walk::simulate_exercise(dynamics::biped::design(), walk, 0.0, 0.01, std::nullopt);
+  log.path = "exercise.csv";
+  const Recording recording = recording_of(log);
+  Machine less = nominal();
+  less.robot.creep_radps = 3e-3;
+  Machine more = less;
+  for (auto& leg : more.robot.drives)
+    for (auto& drive : leg) drive.friction_nm *= 2.0;
+  const Plant with_less = plant_of(less), with_more = plant_of(more);
+  const Local none = Local::Zero();
+  const std::array both{Variant{&less, &with_less, none.data()}, Variant{&more, &with_more, none.data()}};
+  double sticking = 0.0, sliding = 0.0;
+  int rests = 0;
+  for (const Window& w : windows_of(recording, 0, 0.3)) {
+    double fastest = 0.0;
+    for (std::size_t k = w.first; k < w.first + w.count; ++k)
+      for (const double rate : recording.rows[k].rate_radps) fastest = std::max(fastest, std::abs(rate));
+    const Eigen::MatrixXd r = residuals(recording, w, both, Settings{}.step_s);
+    rests += fastest < 1e-3;
+    double& most = fastest < 1e-3 ? sticking : sliding;
+    most = std::max(most, (r.col(1) - r.col(0)).cwiseAbs().maxCoeff());
+  }
+  CHECK(rests > 2);
+  CHECK(sticking < 1e-9);
+  CHECK(sliding > 1e-3);
 }
 
 TEST_CASE(
