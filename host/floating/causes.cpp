@@ -48,12 +48,13 @@ std::vector<Candidate> candidates(const Machine& model, const std::vector<Unknow
 
 /// A window's squares of some columns of theta, its own unknowns integrated out: those of the window, and numbers of which each window has its own value.
 struct Squares {
-  Eigen::MatrixXd information;  ///< of the columns
-  Eigen::VectorXd score;
+  Eigen::VectorXd information, score;                 ///< of the columns, each by itself
+  Eigen::MatrixXd with_last;                          ///< information of the last columns and each
   double y = 0.0, log_determinant = 0.0, rows = 0.0;  ///< of y; of its covariance; how many numbers
 
+  /// Where all columns are among the last.
   double at(const Eigen::VectorXd& theta) const {
-    return y - 2.0 * score.dot(theta) + theta.dot(information * theta);
+    return y - 2.0 * score.dot(theta) + theta.dot(with_last * theta);
   }
 };
 
@@ -63,8 +64,9 @@ struct Own {
   std::vector<double> spreads;
 };
 
+/// @param last how many columns are the last
 Squares squares(const LinearWindow& l, const Variances& v, const std::vector<std::size_t>& columns,
-                const Own& own) {
+                std::size_t last, const Own& own) {
   Squares s;
   Eigen::VectorXd inverse_sd(l.y.size());
   for (Eigen::Index k = 0; k < l.y.size(); ++k) {
@@ -85,7 +87,9 @@ Squares squares(const LinearWindow& l, const Variances& v, const std::vector<std
   const Eigen::VectorXd y = inverse_sd.cwiseProduct(l.y), cy = solver.matrixL().solve(c.transpose() * y);
   const Eigen::MatrixXd a = inverse_sd.asDiagonal() * l.a(Eigen::all, columns),
                         ca = solver.matrixL().solve(c.transpose() * a);
-  s.information = a.transpose() * a - ca.transpose() * ca;
+  s.information = (a.colwise().squaredNorm() - ca.colwise().squaredNorm()).transpose();
+  const auto n = static_cast<Eigen::Index>(last);
+  s.with_last = a.rightCols(n).transpose() * a - ca.rightCols(n).transpose() * ca;
   s.score = a.transpose() * y - ca.transpose() * cy;
   s.y = y.squaredNorm() - cy.squaredNorm();
   s.rows = static_cast<double>(y.size());
@@ -148,7 +152,7 @@ class Evidences {
     Own own = simulator_;
     own.unknowns.insert(own.unknowns.end(), named.unknowns.begin(), named.unknowns.end());
     own.spreads.insert(own.spreads.end(), named.spreads.begin(), named.spreads.end());
-    const std::vector<Squares> parts = squares_of(linear_, columns, own);
+    const std::vector<Squares> parts = squares_of(linear_, columns, named.unknowns.size(), own);
     // What is common to all windows of the named ones, at its most likely, is taken off.
     const auto n_all = static_cast<Eigen::Index>(all.size()),
                n = static_cast<Eigen::Index>(named.unknowns.size()),
@@ -156,8 +160,8 @@ class Evidences {
     Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n), with = Eigen::MatrixXd::Zero(n, n_all);
     Eigen::VectorXd score_of_named = Eigen::VectorXd::Zero(n);
     for (const Squares& s : parts) {
-      precision += s.information.bottomRightCorner(n, n);
-      with += s.information.bottomLeftCorner(n, n_all);
+      precision += s.with_last.rightCols(n);
+      with += s.with_last.leftCols(n_all);
       score_of_named += s.score.tail(n);
     }
     const Eigen::LLT<Eigen::MatrixXd> solver(precision);
@@ -166,9 +170,9 @@ class Evidences {
     Eigen::MatrixXd information(count, n_all), score(count, n_all);
     for (Eigen::Index w = 0; w < count; ++w) {
       const Squares& s = parts[static_cast<std::size_t>(w)];
-      const auto both = s.information.bottomLeftCorner(n, n_all);
-      const auto of_named = s.information.bottomRightCorner(n, n);
-      information.row(w) = s.information.diagonal().head(n_all).transpose() -
+      const auto both = s.with_last.leftCols(n_all);
+      const auto of_named = s.with_last.rightCols(n);
+      information.row(w) = s.information.head(n_all).transpose() -
                            2.0 * share.cwiseProduct(both).colwise().sum() +
                            share.cwiseProduct(of_named * share).colwise().sum();
       score.row(w) = (s.score.head(n_all) - both.transpose() * common).transpose() -
@@ -195,8 +199,9 @@ class Evidences {
     double best = -std::numeric_limits<double>::infinity();
     for (int k = 0; k < kSteps; ++k) {
       refit_locals(recordings_, windows_, first_variances(), point, settings_);
-      const std::vector<Squares> parts = squares_of(
-          linearised(recordings_, windows_, first_variances(), those, point, settings_), columns, {});
+      const std::vector<Squares> parts =
+          squares_of(linearised(recordings_, windows_, first_variances(), those, point, settings_), columns,
+                     columns.size(), {});
       const auto n = point.theta.size();
       Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
       Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
@@ -204,7 +209,7 @@ class Evidences {
       for (const Squares& s : parts) {
         // Student's t over windows, as in a fit of all numbers.
         const double left = s.at(point.theta), weight = (kFreedom + s.rows) / (kFreedom + left);
-        precision += weight * s.information, score += weight * s.score;
+        precision += weight * s.with_last, score += weight * s.score;
         here -= 0.5 * (s.log_determinant + (kFreedom + s.rows) * std::log1p(left / kFreedom));
       }
       const Eigen::LLT<Eigen::MatrixXd> solver(precision);
@@ -232,10 +237,12 @@ class Evidences {
   void estimate_variances() { variances_ = estimated(linear_, first_variances(), settings_.threads); }
 
   std::vector<Squares> squares_of(const std::vector<LinearWindow>& linear,
-                                  const std::vector<std::size_t>& columns, const Own& own) const {
+                                  const std::vector<std::size_t>& columns, std::size_t last,
+                                  const Own& own) const {
     std::vector<Squares> out(linear.size());
-    core::parallel_for(linear.size(), settings_.threads,
-                       [&](std::size_t w) { out[w] = squares(linear[w], variances_[w], columns, own); });
+    core::parallel_for(linear.size(), settings_.threads, [&](std::size_t w) {
+      out[w] = squares(linear[w], variances_[w], columns, last, own);
+    });
     return out;
   }
 
