@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMostCauses = 6, kRivals = 24, kFitted = 4;
 constexpr double kAsLikely = 3.0;  // odds of 20
+constexpr double kLittle = 0.05;   // of a prior's deviation: two simulators of one robot differ by as much
 constexpr double kTick_s =
     1e-3;  // of the board's loop and of a simulation: a command may act so much earlier or later
 
@@ -32,7 +33,7 @@ bool at_least(const Machine& model, const Unknown& u) {
 
 struct Candidate {
   std::size_t unknown;
-  double tick = 0.0;
+  double tick = 0.0;  ///< as of random_effect
   bool positive = false;
 };
 
@@ -41,7 +42,8 @@ std::vector<Candidate> candidates(const Machine& model, const std::vector<Unknow
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     const Unknown& u = unknowns[i];
     if (of_simulator(u)) continue;
-    all.push_back({i, u.kind == "command_delay" ? kTick_s / u.prior_sd : 0.0, at_least(model, u)});
+    all.push_back({i, u.kind == "command_delay" ? std::max(kLittle, kTick_s / u.prior_sd) : kLittle,
+                   at_least(model, u)});
   }
   return all;
 }
