@@ -260,6 +260,68 @@ class Evidences {
   std::vector<std::size_t> phase_;
 };
 
+/// Numbers that can be named, indices into the candidates: those with evidence beyond the prior odds, most first.
+std::vector<std::size_t> rivals_of(const std::vector<RandomEffect>& effects, double log_prior_odds) {
+  std::vector<std::size_t> order(effects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return effects[a].log_bayes_factor > effects[b].log_bayes_factor;
+  });
+  std::erase_if(order, [&](std::size_t k) { return !(effects[k].log_bayes_factor > log_prior_odds); });
+  order.resize(std::min(order.size(), kRivals));
+  return order;
+}
+
+/// Which rival leads, and by how much each is behind it.
+struct Ranking {
+  std::size_t first = 0;       ///< of the rivals
+  std::vector<double> behind;  ///< logarithms
+  Named named;                 ///< with the first one, fitted
+};
+
+/// A number that acts at one joint may have as much evidence by itself as one that acts at all of them, but leaves the other's: what counts is what
+/// is left of one where the other differs.
+Ranking ranked(const Evidences& evidences, const std::vector<Candidate>& all,
+               const std::vector<RandomEffect>& effects, const std::vector<std::size_t>& rivals,
+               const Named& named) {
+  std::vector<Candidate> those;
+  for (const std::size_t r : rivals) those.push_back(all[r]);
+  const auto with = [&](std::size_t r) {
+    return named.with(those[r].unknown, effects[rivals[r]].theta, effects[rivals[r]].spread);
+  };
+  const std::size_t n = rivals.size();
+  Eigen::MatrixXd left = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  for (std::size_t other = 0; n > 1 && other < n; ++other) {
+    const std::vector<RandomEffect> given = evidences(those, with(other));
+    for (std::size_t one = 0; one < n; ++one)
+      left(static_cast<Eigen::Index>(one), static_cast<Eigen::Index>(other)) = given[one].log_bayes_factor;
+  }
+  // By how much each is likelier than the other: both differences are those of a model with both.
+  const Eigen::MatrixXd ahead = left - left.transpose();
+  Eigen::Index first = 0;
+  ahead.rowwise().minCoeff().maxCoeff(&first);
+  Ranking out;
+  for (std::size_t r = 0; r < n; ++r) out.behind.push_back(ahead(first, static_cast<Eigen::Index>(r)));
+  // The leading ones by themselves: a law is not linear where a joint sticks, and one step from the model may favour another.
+  std::vector<std::size_t> leading(n);
+  std::iota(leading.begin(), leading.end(), std::size_t{0});
+  std::stable_sort(leading.begin(), leading.end(),
+                   [&](std::size_t a, std::size_t b) { return out.behind[a] < out.behind[b]; });
+  leading.resize(std::min(n, kFitted));
+  std::vector<double> likely;
+  for (const std::size_t r : leading) {
+    Named fitted = with(r);
+    likely.push_back(evidences.fit(fitted));
+    if (likely.size() > 1 && !(likely.back() > *std::max_element(likely.begin(), likely.end() - 1))) continue;
+    out.first = r, out.named = std::move(fitted);
+  }
+  const double most = *std::max_element(likely.begin(), likely.end()), moved = out.behind[out.first];
+  if (!std::isfinite(most)) return out;  // no window can be simulated about any
+  for (double& b : out.behind) b -= moved;
+  for (std::size_t k = 0; k < leading.size(); ++k) out.behind[leading[k]] = most - likely[k];
+  return out;
+}
+
 }  // namespace
 
 std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
@@ -275,53 +337,10 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
   std::vector<Candidate> of_named;
   while (found.size() < kMostCauses) {
     const std::vector<RandomEffect> effects = evidences(all, named);
-    std::vector<std::size_t> order(all.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return effects[a].log_bayes_factor > effects[b].log_bayes_factor;
-    });
-    std::vector<std::size_t> rivals;  // that can be named
-    for (const std::size_t k : order)
-      if (rivals.size() < kRivals && effects[k].log_bayes_factor > prior) rivals.push_back(k);
+    const std::vector<std::size_t> rivals = rivals_of(effects, prior);
     if (rivals.empty()) break;
-    // What is left of one where the other differs. A number that acts at one joint may have as much evidence by itself as one that acts at all of
-    // them, but leaves the other's.
-    const auto n = static_cast<Eigen::Index>(rivals.size());
-    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index other = 0; n > 1 && other < n; ++other) {
-      const std::size_t k = rivals[static_cast<std::size_t>(other)];
-      std::vector<Candidate> those;
-      for (const std::size_t r : rivals) those.push_back(all[r]);
-      const std::vector<RandomEffect> given =
-          evidences(those, named.with(all[k].unknown, effects[k].theta, effects[k].spread));
-      for (Eigen::Index one = 0; one < n; ++one)
-        left(one, other) = given[static_cast<std::size_t>(one)].log_bayes_factor;
-    }
-    // By how much each is likelier than the other: both differences are those of a model with both.
-    const Eigen::MatrixXd ahead = left - left.transpose();
-    Eigen::Index first = 0;
-    for (Eigen::Index r = 1; r < n; ++r)
-      if (ahead.row(r).minCoeff() > ahead.row(first).minCoeff()) first = r;
-    Eigen::VectorXd behind = ahead.row(first).transpose();
-    // The leading ones by themselves: a law is not linear where a joint sticks, and one step from the model may favour another.
-    std::vector<Eigen::Index> leading(static_cast<std::size_t>(n));
-    std::iota(leading.begin(), leading.end(), Eigen::Index{0});
-    std::stable_sort(leading.begin(), leading.end(),
-                     [&](Eigen::Index a, Eigen::Index b) { return behind[a] < behind[b]; });
-    leading.resize(std::min(leading.size(), kFitted));
-    std::vector<Named> fitted;
-    std::vector<double> likely;
-    for (const Eigen::Index r : leading) {
-      const std::size_t k = rivals[static_cast<std::size_t>(r)];
-      fitted.push_back(named.with(all[k].unknown, effects[k].theta, effects[k].spread));
-      likely.push_back(evidences.fit(fitted.back()));
-    }
-    const auto winner =
-        static_cast<std::size_t>(std::max_element(likely.begin(), likely.end()) - likely.begin());
-    const double moved = behind[leading[winner]];
-    behind.array() -= moved;
-    for (std::size_t k = 0; k < leading.size(); ++k) behind[leading[k]] = likely[winner] - likely[k];
-    const std::size_t best = rivals[static_cast<std::size_t>(leading[winner])];
+    Ranking ranking = ranked(evidences, all, effects, rivals, named);
+    const std::size_t best = rivals[ranking.first];
     const RandomEffect& e = effects[best];
     Cause cause{all[best].unknown, e.theta, e.sd, e.spread, 0.0, {}};
     double odds = std::exp(prior - e.log_bayes_factor);  // of none
@@ -329,14 +348,14 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
       if (k == best) continue;
       const auto at = std::find(rivals.begin(), rivals.end(), k);
       const double b = at != rivals.end()
-                           ? behind[at - rivals.begin()]
+                           ? ranking.behind[static_cast<std::size_t>(at - rivals.begin())]
                            : effects[rivals.front()].log_bayes_factor - effects[k].log_bayes_factor;
       odds += std::exp(-b);
       if (b < kAsLikely) cause.correlated_with.push_back(all[k].unknown);
     }
     cause.confidence = 1.0 / (1.0 + odds);
     found.push_back(std::move(cause));
-    named = fitted[winner];
+    named = std::move(ranking.named);
     of_named.push_back(all[best]);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
     // What windows say of each about where all are.

@@ -90,16 +90,16 @@ TEST_CASE("Dry friction of a hip that a walking robot in MuJoCo hides is named, 
 
 TEST_CASE(
     "Dry friction of an ankle that moves little and sticks often is named from an exercise on the stand") {
-  check_named(robot::Cause::coulomb, 25, "coulomb_friction@right_ankle_roll", 0.1);
+  check_named(robot::Cause::coulomb, 25, "coulomb_friction@right_ankle_roll", 0.05);
 }
 
 TEST_CASE(
     "What a robot in MuJoCo hides is named from its exercise on the stand, with its size, and nothing beside it",
     "[slow]") {
-  check_named(robot::Cause::coulomb, 13, "coulomb_friction@left_hip_pitch", 0.1);
-  check_named(robot::Cause::payload, 30, "mass@right_hip_pitch", 0.2);
+  check_named(robot::Cause::coulomb, 13, "coulomb_friction@left_hip_pitch", 0.05);
+  check_named(robot::Cause::payload, 30, "mass@right_hip_pitch", 0.05);
   // So late that what is left of it in one linear step from the model looks like a backlash.
-  check_named(robot::Cause::delay, 17, "command_delay@drives", 0.1);
+  check_named(robot::Cause::delay, 17, "command_delay@drives", 0.05);
 }
 
 TEST_CASE("Nothing is named from the exercise of a robot in MuJoCo that hides nothing") {
