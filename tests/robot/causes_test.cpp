@@ -1,5 +1,8 @@
 // What a walking robot in MuJoCo hides is named from logs of its walks, and nothing where it hides nothing.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <string>
+#include <vector>
 
 #include "host/floating/identify.hpp"
 #include "host/walk/walk_file.hpp"
@@ -100,6 +103,16 @@ TEST_CASE(
   check_named(robot::Cause::payload, 30, "mass@right_hip_pitch", 0.05);
   // So late that what is left of it in one linear step from the model looks like a backlash.
   check_named(robot::Cause::delay, 17, "command_delay@drives", 0.05);
+}
+
+TEST_CASE("Viscous friction is told from a weak gain by windows about each; a drive's damping fits as well",
+          "[slow]") {
+  const floating::Identified found = exercised(robot::Cause::viscous, 26);
+  REQUIRE(!found.causes.empty());
+  std::vector<std::string> names{name_of(found, 0)};
+  for (const std::size_t i : found.causes[0].correlated_with) names.push_back(found.unknowns[i].name());
+  std::sort(names.begin(), names.end());
+  CHECK(names == std::vector<std::string>{"gain_kd@right_hip_pitch", "viscous_friction@right_hip_pitch"});
 }
 
 TEST_CASE("Nothing is named from the exercise of a robot in MuJoCo that hides nothing") {
