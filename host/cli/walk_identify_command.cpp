@@ -65,8 +65,12 @@ void identify(const RecordingOptions& o) {
         const auto whole = std::find_if(training.begin(), training.end(), [&](const floating::Recording& r) {
           return r.file == recording.file;  // of which it is the last quarter
         });
-        // The robot may have fallen before.
-        if (whole != training.end() && floating::windows_of(recording, 0, options.window_s).empty()) continue;
+        if (whole != training.end() && floating::windows_of(recording, 0, options.window_s).empty()) {
+          whole->notes.push_back(
+              recording.file +
+              ": its last quarter has no window, as after a fall: nothing of it is held out");
+          continue;
+        }
         recording.passive_hips = whole != training.end()
                                      ? whole->passive_hips
                                      : floating::passive_hips(model.machine, recording, options);

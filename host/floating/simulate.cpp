@@ -334,7 +334,8 @@ class Batch {
           const T slope = smaller(ramp_nmspr, T(2.0 / h_s) * d.armature_kgm2);
           const T dry = clamped(T(slope * qd), d.friction_nm);
           joint += motor - d.damping_nmspr * qd - dry;
-          // A drive's damping acts at the mean of the rates before and after the kick, that of the ramp at the rate after it.
+          // A drive's damping acts at the mean of the rates before and after the kick, that of the ramp at the rate after it: less and less of it up to
+          // twice the rate at which the ramp ends.
           const T beyond = larger(slope * qd, T(T(0.0) - slope * qd)) - d.friction_nm;
           const T stuck = one - clamped(T(larger(beyond, T(0.0)) / (d.friction_nm + T(kLittle_nm))), one);
           act.armature_kgm2[side][j] = d.armature_kgm2 +

@@ -35,15 +35,16 @@ std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::L
   if (logs.empty()) throw core::DataError("no log given; expected at least one");
   std::pair<std::vector<log::Log>, std::vector<log::Log>> out;
   if (logs.size() < least_logs) {
+    constexpr std::size_t kLeastRows = 80;
     for (const log::Log& log : logs) {
-      const std::size_t rows = log.rows(), cut = rows - rows / 4;
-      if (rows < 80)
-        throw core::DataError(
-            log.path + ": " + std::to_string(rows) +
-            " rows are too few to hold a quarter of them out; expected at least 80, or --hold-out");
+      const std::size_t rows = log.rows(), cut = rows < kLeastRows ? rows : rows - rows / 4;
       out.first.push_back(part(log, 0, cut));
-      out.second.push_back(part(log, cut, rows));
+      if (cut < rows) out.second.push_back(part(log, cut, rows));
     }
+    if (out.second.empty())
+      throw core::DataError(logs.front().path + ": " + std::to_string(logs.front().rows()) +
+                            " rows are too few to hold a quarter of them out; expected at least " +
+                            std::to_string(kLeastRows) + ", or --hold-out");
     return out;
   }
   std::mt19937_64 random(seed);

@@ -10,8 +10,9 @@
 
 namespace furcula::identify {
 
-/// Splits logs into training and held-out ones: a seeded fifth, at least one; of fewer than `least_logs` the last quarter of each.
-/// @throws core::DataError where there is no log, or one of fewer than 80 rows of which a quarter is to be held out.
+/// Splits logs into training and held-out ones: a seeded fifth, at least one; of fewer than `least_logs` the last quarter of each
+/// that has at least 80 rows.
+/// @throws core::DataError where there is no log, or no quarter that can be held out.
 std::pair<std::vector<log::Log>, std::vector<log::Log>> split(std::vector<log::Log> logs, std::uint64_t seed,
                                                               std::size_t least_logs = 2);
 

@@ -111,4 +111,12 @@ TEST_CASE(
     CHECK(four[i].rows() >= 3 * quarters[i].rows());
   }
   CHECK(identify::split(axis_logs(5), 3, 5).second.size() == 1);
+  // A log that is too short for it is not lost.
+  std::vector<log::Log> one_short = axis_logs(3);
+  for (auto& [name, values] : one_short[1].columns) values.resize(60);
+  one_short[1].lines.clear();
+  const auto [kept, of_long] = identify::split(one_short, 3, 5);
+  REQUIRE(kept.size() == 3);
+  CHECK(kept[1].rows() == 60);
+  CHECK(of_long.size() == 2);
 }
