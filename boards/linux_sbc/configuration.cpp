@@ -158,7 +158,7 @@ bool is_walker(const toml::table& file, const std::string& name) {
 }
 
 Configuration parse_walker(const toml::table& file, const std::string& name) {
-  static constexpr std::string_view kSections[] = {"robot", "can", "walk", "feet", "loop"};
+  static constexpr std::string_view kSections[] = {"robot", "can", "walk", "feet", "log", "loop"};
   core::refuse_unknown_keys(file, name, "the file of a biped_walker", kSections);
   Configuration c;
   WalkerConfiguration& w = c.walker.emplace();
@@ -189,6 +189,18 @@ Configuration parse_walker(const toml::table& file, const std::string& name) {
   feet.real("threshold_n", 1.0, 400.0, "N", threshold_n);
   feet.read();
   w.foot_threshold_n = static_cast<double>(threshold_n);
+
+  Section log(file, name, "log");
+  log.text("folder", w.log_folder);
+  log.any("rate_hz", [&](const toml::node& n, const std::string& key) {
+    const double rate_hz = core::number(n, name, key, 1.0, 1000.0, "Hz");
+    if (std::fmod(1000.0, rate_hz) != 0.0)
+      core::fail(name, n.source(),
+                 key + " = " + core::value_text(n) +
+                     "; expected 1000, the controller's rate, or a whole part of it");
+    w.log_rate_hz = static_cast<int>(std::lround(rate_hz));
+  });
+  if (log.is_there()) log.read({"folder"});
 
   take_loop(file, name, c.priority);
   return c;
@@ -302,7 +314,11 @@ std::string network_warning(const Configuration& configuration) {
 
 Configuration read_configuration(const std::string& path) {
   Configuration c = parse_configuration(core::read_small_file(path, "a configuration file"), path);
-  if (c.walker) read_walk_of(*c.walker, path);
+  if (c.walker) {
+    read_walk_of(*c.walker, path);
+    std::string& folder = c.walker->log_folder;
+    if (!folder.empty()) folder = (std::filesystem::path(path).parent_path() / folder).string();
+  }
   return c;
 }
 

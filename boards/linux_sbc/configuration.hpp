@@ -23,6 +23,8 @@ struct WalkerConfiguration {
   firmware::WalkerLinkConfig link;
   std::string walk_file;  ///< walk.toml; relative to the configuration file
   double foot_threshold_n = 30.0;
+  std::string log_folder;  ///< where each walk is logged; relative to the configuration file; empty: nowhere
+  int log_rate_hz = 100;
   control::WalkerConfig controller;  ///< the walk's, once it is read
 };
 

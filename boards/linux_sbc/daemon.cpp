@@ -1,6 +1,6 @@
-// furculad, see daemon.hpp. Four threads: the loop, which alone touches robot and node; the server of
-// Modbus; the writer of parameters; and the first one, which waits for signals and speaks with the service
-// manager.
+// furculad, see daemon.hpp. Threads: the loop, which alone touches robot and node; of a hopper the server of
+// Modbus and the writer of parameters, of a biped the writer of walks' logs; and the first one, which waits for signals and speaks with the
+// service manager.
 #include "boards/linux_sbc/daemon.hpp"
 
 #include <pthread.h>
@@ -94,8 +94,13 @@ struct Walker : Common {
         board(configuration.walker->link, buses, stop, figures),
         node(board, configuration.walker->controller, faults) {
     board.introduce(identity, faults);
+    if (const std::string& folder = configuration.walker->log_folder; !folder.empty())
+      recorder = std::make_unique<WalkRecorder>(
+          folder, configuration.walker->log_rate_hz, [](const std::string& line) {
+            static_cast<void>(say(STDOUT_FILENO, "furculad: " + core::printable_lines(line) + "\n"));
+          });
   }
-  void tick() { run_walker_tick(board, node); }
+  void tick() { run_walker_tick(board, node, recorder.get()); }
   void switch_off() {
     board.set_state(bus::NodeState::idle);
     board.actuate(control::WalkerOutputs{});
@@ -103,6 +108,7 @@ struct Walker : Common {
 
   WalkerBoard board;
   firmware::WalkerNode<WalkerBoard> node;
+  std::unique_ptr<WalkRecorder> recorder;  ///< where walks are logged
 };
 
 template <class Robot>
@@ -130,6 +136,12 @@ void* run_writer(void* argument) {
   Hopper& d = *static_cast<Hopper*>(argument);
   touch_stack();
   d.store.serve();
+  return nullptr;
+}
+
+void* run_recorder(void* argument) {
+  touch_stack();
+  static_cast<WalkRecorder*>(argument)->serve();
   return nullptr;
 }
 
@@ -260,7 +272,12 @@ void run_walker(const Configuration& configuration, const Signals& signals) {
   };
   const auto left = opened(0), right = opened(1), body = opened(firmware::kBodyBus);
   const auto robot = std::make_unique<Walker>(configuration, std::array{left.get(), right.get(), body.get()});
+  unsigned long recorder = 0;
+  if (robot->recorder) recorder = start_thread(run_recorder, robot->recorder.get());
   run_robot(*robot, walker.can_interfaces, signals);
+  if (!robot->recorder) return;
+  robot->recorder->stop();
+  ::pthread_join(recorder, nullptr);
 }
 
 }  // namespace

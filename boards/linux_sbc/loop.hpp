@@ -3,6 +3,7 @@
 #pragma once
 
 #include "boards/linux_sbc/mailbox.hpp"
+#include "boards/linux_sbc/walk_recorder.hpp"
 #include "firmware/app/node_on_can.hpp"
 #include "furcula/bus/modbus_pdu.hpp"
 
@@ -23,11 +24,12 @@ void run_tick(auto& board, auto& node, auto& registers, Mailbox& mailbox) {
   });
 }
 
-/// The same for a robot that walks, which has neither registers nor Modbus.
-void run_walker_tick(auto& board, auto& node) {
+/// The same for a robot that walks, which has neither registers nor Modbus. Walks are logged where there is a recorder.
+void run_walker_tick(auto& board, auto& node, WalkRecorder* recorder = nullptr) {
   firmware::obey_stream(board.link(), node);
   board.set_state(node.state());
   node.tick();
+  if (recorder != nullptr) recorder->note(node.walker(), node.outputs());
 }
 
 }  // namespace furcula::linux_sbc

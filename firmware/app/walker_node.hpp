@@ -91,6 +91,7 @@ class WalkerNode {
   bus::NodeState state() const { return state_; }
   /// Of the last tick.
   const control::WalkerOutputs& outputs() const { return outputs_; }
+  const control::WalkerState& walker() const { return walker_; }
 
  private:
   using State = bus::NodeState;

@@ -20,8 +20,8 @@ namespace {
 
 struct WalkLoopOptions {
   loop::LoopOptions loop;
-  std::string mode;
-  std::int64_t rounds = 3, repetitions = 1, steps = 200'000'000;
+  std::string mode, identify = std::string(loop::kIdentifyByNames.front());
+  std::int64_t rounds = 3, repetitions = 1, steps = 200'000'000, robots = walk::EnsembleOptions{}.robots;
 };
 
 void require_from(const char* option, std::int64_t value, std::int64_t least, std::int64_t most) {
@@ -35,8 +35,9 @@ void run(const WalkLoopOptions& o) {
   require_from("--repetitions", o.repetitions, 1, 1000);
   require_from("--steps", o.steps, 1, 1'000'000'000'000);
   require_from("--threads", o.loop.threads, 0, 1024);
-  if (!(o.loop.deviations >= 0.0 && o.loop.deviations <= 2.0))
-    throw UsageError("--deviations " + core::shortest(o.loop.deviations) + ": expected from 0 to 2");
+  require_from("--robots", o.robots, 0, 1000);
+  if (!(o.loop.ensemble.deviations >= 0.0 && o.loop.ensemble.deviations <= 2.0))
+    throw UsageError("--deviations " + core::shortest(o.loop.ensemble.deviations) + ": expected from 0 to 2");
   if (const double s = o.loop.exercise_s;
       s != 0.0 && !(s >= control::kLeastExercise_s && s <= control::kMostExercise_s))
     throw UsageError("--exercise-s " + core::shortest(s) + ": expected 0, or from " +
@@ -46,6 +47,9 @@ void run(const WalkLoopOptions& o) {
   options.rounds = static_cast<unsigned>(o.rounds);
   options.repetitions = static_cast<unsigned>(o.repetitions);
   options.steps = static_cast<std::uint64_t>(o.steps);
+  options.ensemble.robots = static_cast<std::size_t>(o.robots);
+  const auto by = std::find(loop::kIdentifyByNames.begin(), loop::kIdentifyByNames.end(), o.identify);
+  options.identify_by = static_cast<loop::IdentifyBy>(by - loop::kIdentifyByNames.begin());
   if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
   if (!o.mode.empty())
     options.mode = o.mode == walk::kModeNames[0] ? walk::WalkMode::active : walk::WalkMode::semi_passive;
@@ -99,9 +103,19 @@ void add_walk_loop_command(CLI::App& walk) {
   command->add_option("--steps", o->steps, "Of a search, in steps of simulation")->capture_default_str();
   command
       ->add_option(
-          "--deviations", o->loop.deviations,
+          "--deviations", o->loop.ensemble.deviations,
           "How far the other robots of a search, which is robust, are from the identified one: times the ranges of "
           "document 000, Tables I and II")
+      ->capture_default_str();
+  command
+      ->add_option("--robots", o->robots, "Other robots of a search; 0: the identified one alone")
+      ->capture_default_str();
+  command
+      ->add_option("--identify", o->identify,
+                   "windows: all numbers with priors, causes named; whole_run: document 000's way, an evolutionary search "
+                   "for the least error of whole walks; none: each walk is searched about the model as given")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(loop::kIdentifyByNames.begin(), loop::kIdentifyByNames.end())))
       ->capture_default_str();
   command->add_option("--mode", o->mode, "Of the walks that are searched; without it that of --walk")
       ->check(CLI::IsMember(std::vector<std::string>{std::string(furcula::walk::kModeNames[0]),

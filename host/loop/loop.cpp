@@ -16,6 +16,7 @@
 #include "host/core/own_build.hpp"
 #include "host/floating/identification_report.hpp"
 #include "host/loop/loop_report.hpp"
+#include "host/loop/whole_run.hpp"
 #include "host/walk/searched.hpp"
 
 namespace furcula::loop {
@@ -94,12 +95,11 @@ class Loop {
     if (o_.exercise_s > 0.0) exercise();
     write_once(walk_file(1), walk::format_walk(first_));
     for (unsigned round = 1;; ++round) {
-      const walk::Model model = round == 1 ? given_ : walk::read_model(model_file(round - 1));
-      try_walk(round, model);
+      try_walk(round, model_of(round - 1));
       result_.walks = result_.rounds.back().walks;
       write_news();
       if (result_.walks || round > o_.rounds) break;
-      identify(round);
+      if (o_.identify_by != IdentifyBy::none) identify(round);
       write_news();
       search(round);
       if (!result_.ended.empty()) break;
@@ -113,6 +113,10 @@ class Loop {
   static std::string folder(unsigned round) { return "round_" + std::to_string(round); }
   std::string walk_file(unsigned round) const { return in(folder(round) + "/walk.toml"); }
   std::string model_file(unsigned round) const { return in(folder(round) + "/identified_model.toml"); }
+  /// After a round; 0: as given.
+  walk::Model model_of(unsigned round) const {
+    return round == 0 || o_.identify_by == IdentifyBy::none ? given_ : walk::read_model(model_file(round));
+  }
   walk::WalkMode mode() const { return o_.mode.value_or(first_.mode); }
   void say(unsigned round, const std::string& line) const {
     if (o_.say) o_.say("round " + std::to_string(round) + ": " + line);
@@ -133,7 +137,9 @@ class Loop {
     out.rollout = walk::rollout_of(model, mode(), from.walk_until_s);
     out.seed = o_.seed + round - 1;
     out.start = from.parameters;
-    out.ensemble = walk::drawn_robots(model.machine, mode(), {.deviations = o_.deviations, .seed = out.seed});
+    walk::EnsembleOptions ensemble = o_.ensemble;
+    ensemble.seed = out.seed;
+    out.ensemble = walk::drawn_robots(model.machine, mode(), ensemble);
     out.steps = o_.steps;
     out.threads = o_.threads;
     return out;
@@ -150,6 +156,8 @@ class Loop {
     if (o_.exercise_s > 0.0) out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
     out.emplace_back("steps", std::to_string(o_.steps));
     out.emplace_back("repetitions", std::to_string(o_.repetitions));
+    if (o_.identify_by != IdentifyBy::windows)
+      out.emplace_back("identify", std::string(kIdentifyByNames[static_cast<std::size_t>(o_.identify_by)]));
     out.emplace_back("window_s", core::shortest(o_.identify.window_s));
     out.emplace_back("iterations", std::to_string(o_.identify.iterations));
     return out;
@@ -214,7 +222,7 @@ class Loop {
       r.trials.push_back(std::move(t));
       recordings_.push_back(std::move(recording));
       predict(0, given_, round, k, 0.0);
-      if (round > 1) predict(round - 1, model, round, k, 0.5);
+      if (round > 1 && o_.identify_by != IdentifyBy::none) predict(round - 1, model, round, k, 0.5);
     }
     const auto walked =
         std::count_if(r.trials.begin(), r.trials.end(), [](const auto& t) { return t.walks; });
@@ -224,9 +232,33 @@ class Loop {
   }
 
   void identify(unsigned round) {
-    const std::string json = in(folder(round) + "/identification.json");
+    const std::string json = identification_file(round);
     if (!fs::exists(model_file(round))) {
       news_ = true;
+      if (o_.identify_by == IdentifyBy::whole_run)
+        fit_whole_walks(round);
+      else
+        fit_windows(round);
+    }
+    Round& r = result_.rounds.back();
+    read_identification(json, r);
+    for (const NamedCause& c : r.causes)
+      say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
+                     ", confidence " + core::rounded(c.confidence, 2));
+    if (r.whole_run_rad)
+      say(round, "model error (Eq. 3) over whole walks: " + core::rounded(1e3 * r.whole_run_rad->first, 3) + " to " +
+                     core::rounded(1e3 * r.whole_run_rad->second, 3) + " mrad");
+    say(round, errors_in_words(*r.given, *r.identified));
+    const walk::Model model = walk::read_model(model_file(round));
+    for (unsigned k = 0; k < round * o_.repetitions; ++k)
+      predict(round, model, 1 + k / o_.repetitions, 1 + k % o_.repetitions,
+              static_cast<double>(k) / (round * o_.repetitions));
+  }
+
+  std::string identification_file(unsigned round) const { return in(folder(round) + "/identification.json"); }
+
+  /// Writes identification.json, .html and the model.
+  void fit_windows(unsigned round) {
       floating::IdentifyOptions options = o_.identify;
       options.settings.threads = o_.threads;
       if (round > 1) options.start = walk::read_model(model_file(round - 1)).machine;
@@ -241,22 +273,39 @@ class Loop {
       for (const floating::Recording& r : all) command += " " + core::shell_word(r.file);
       command += " --model " + core::shell_word(o_.model) + " --out " + core::shell_word(in(folder(round)));
       core::write_files_together(std::vector<core::NewFile>{
-          {json, floating::to_json_text(found, nullptr, nullptr)},
+          {identification_file(round), floating::to_json_text(found, nullptr, nullptr)},
           {in(folder(round) + "/identification.html"),
            floating::render_identification_report(
                {given_.name, &found, &all, &held_out, nullptr, nullptr, options.window_s, command})},
           {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
-    }
-    Round& r = result_.rounds.back();
-    read_identification(json, r);
-    for (const NamedCause& c : r.causes)
-      say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
-                     ", confidence " + core::rounded(c.confidence, 2));
-    say(round, errors_in_words(*r.given, *r.identified));
-    const walk::Model model = walk::read_model(model_file(round));
+  }
+
+  /// The walk of a round with the recording of a repetition.
+  WholeRun whole_run(unsigned round, unsigned repetition) const {
+    return {&recordings_[(round - 1) * o_.repetitions + repetition - 1], walk::read_walk(walk_file(round))};
+  }
+
+  /// Writes identification.json, without posterior and causes, and the model.
+  void fit_whole_walks(unsigned round) {
+    std::vector<WholeRun> runs;
     for (unsigned k = 0; k < round * o_.repetitions; ++k)
-      predict(round, model, 1 + k / o_.repetitions, 1 + k % o_.repetitions,
-              static_cast<double>(k) / (round * o_.repetitions));
+      runs.push_back(whole_run(1 + k / o_.repetitions, 1 + k % o_.repetitions));
+    WholeRunOptions options;
+    options.steps = o_.steps;
+    options.seed = o_.seed + round - 1;
+    options.threads = o_.threads;
+    options.start = model_of(round - 1).machine;
+    options.progress = [&](double fraction, const std::string& doing) {
+      if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
+    };
+    const WholeRunFit found = fit_whole_runs(given_, runs, options);
+    floating::IdentifyOptions windows = o_.identify;
+    windows.settings.threads = o_.threads;
+    core::write_files_together(std::vector<core::NewFile>{
+        {identification_file(round),
+         to_json_text(found, floating::window_errors(given_.machine, recordings_, windows),
+                      floating::window_errors(found.machine, recordings_, windows))},
+        {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
   }
 
   /// Of an earlier run. What is to be done again has no errors yet.
@@ -282,8 +331,10 @@ class Loop {
                                 recording.file);
     floating::IdentifyOptions options = o_.identify;
     options.settings.threads = o_.threads;
-    floating::WindowErrors errors = floating::window_errors(model.machine, {recording}, options);
-    errors.predicted.clear();
+    CellErrors errors{
+        floating::window_errors(model.machine, {recording}, options),
+        whole_run_errors_rad(given_, model.machine, {whole_run(round, repetition)}, o_.threads).front()};
+    errors.windows.predicted.clear();
     result_.triangle.emplace(cell, std::move(errors));
     news_ = true;
     write();
@@ -317,7 +368,7 @@ class Loop {
   void search(unsigned round) {
     if (fs::exists(walk_file(round + 1))) return;
     constexpr std::uint64_t kMost = 3;  // times the steps asked for
-    const walk::Model model = walk::read_model(model_file(round));
+    const walk::Model model = model_of(round);
     walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_file(round)));
     walk::require_posture(model, options.rollout);
     const std::string from = walk_file(best_walk(round, model, options));
@@ -334,7 +385,7 @@ class Loop {
     const walk::Rollout& best = searched.found.rollout;
     if (best.ending != walk::Ending::stands) {
       result_.ended = "round " + std::to_string(round) + ": in " + std::to_string(*options.steps) +
-                      " steps the search found no walk that stands in simulation of " + model_file(round) +
+                      " steps the search found no walk that stands in simulation of " + model.file +
                       " (" + simulated_in_words(best, model.limits) +
                       "); expected more --steps, in another folder";
       return;
@@ -343,9 +394,10 @@ class Loop {
     make_folder(to);
     core::write_files_together(walk::files_of(
         model, options, searched, to,
-        "furcula walk search --model " + model_file(round) + " --mode " +
+        "furcula walk search --model " + model.file + " --mode " +
             std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
-            std::to_string(options.seed) + " --robust --deviations " + core::shortest(o_.deviations) +
+            std::to_string(options.seed) +
+            (options.ensemble.empty() ? "" : " --robust --deviations " + core::shortest(o_.ensemble.deviations)) +
             " --from " + from + " --steps " + std::to_string(*options.steps) + " --out " + to));
   }
 

@@ -7,10 +7,13 @@
 // whole, and its step is done. loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host/floating/identify.hpp"
@@ -20,6 +23,14 @@
 #include "host/walk/ensemble.hpp"
 
 namespace furcula::loop {
+
+/// What a round's model is identified by.
+enum class IdentifyBy : std::uint8_t {
+  windows,    ///< all numbers with priors, causes named (host/floating/identify.hpp)
+  whole_run,  ///< document 000's way: an evolutionary search for the least Eq. 3 over whole walks (whole_run.hpp)
+  none        ///< it is not: each walk is searched about the model as given
+};
+inline constexpr std::array<std::string_view, 3> kIdentifyByNames{"windows", "whole_run", "none"};
 
 /// A round walks where this share of its trials does.
 inline constexpr double kShare = 0.8;
@@ -32,7 +43,8 @@ struct LoopOptions {
   std::optional<walk::WalkMode> mode;                      ///< of searches; without it the walk's
   double exercise_s = 10.0;                                ///< on the stand, before the first walk; 0: none
   std::uint64_t steps = 200'000'000;                       ///< of a search
-  double deviations = walk::EnsembleOptions{}.deviations;  ///< of the other robots of a search
+  walk::EnsembleOptions ensemble;    ///< other robots of a search, with a seed of each round's
+  IdentifyBy identify_by = IdentifyBy::windows;
   std::uint64_t seed = 1;  ///< of the first search; each later one has the next
   unsigned threads = 1;
   floating::IdentifyOptions identify;
@@ -62,6 +74,8 @@ struct Round {
   /// Of the model as given and as identified from all trials so far.
   std::optional<floating::WindowErrors> given, identified;
   std::vector<NamedCause> causes;
+  /// Eq. 3 over all trials so far, before and after a search over whole walks, rad.
+  std::optional<std::pair<double, double>> whole_run_rad;
 };
 
 struct LoopResult {

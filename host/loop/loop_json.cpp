@@ -8,6 +8,7 @@
 #include "host/core/error.hpp"
 #include "host/core/strict_toml.hpp"
 #include "host/loop/loop.hpp"
+#include "host/loop/whole_run.hpp"
 
 namespace furcula::loop {
 namespace {
@@ -86,6 +87,9 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
          {"walks", r.walks},
          {"training",
           r.given ? Json{{"given", errors(*r.given)}, {"identified", errors(*r.identified)}} : Json(nullptr)},
+         {"whole_run",
+          r.whole_run_rad ? Json{{"start_rad", r.whole_run_rad->first}, {"identified_rad", r.whole_run_rad->second}}
+                          : Json(nullptr)},
          {"causes", causes}});
   }
   Json triangle = Json::array();
@@ -94,8 +98,9 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
              {"round", cell.round},
              {"repetition", cell.repetition},
              {"training", cell.training()},
-             {"rms_angle_attitude_rad", number(model_error_rad(e))}};
-    one.update(errors(e));
+             {"rms_angle_attitude_rad", number(model_error_rad(e.windows))},
+             {"whole_run_rad", number(e.whole_run_rad)}};
+    one.update(errors(e.windows));
     triangle.push_back(std::move(one));
   }
   Json all = Json::object();
@@ -131,11 +136,25 @@ Triangle triangle_in(const std::string& path) {
   try {
     if (!j.contains("triangle")) return out;
     for (const Json& one : j.at("triangle"))
-      out[{one.at("model"), one.at("round"), one.at("repetition")}] = errors_in(one);
+      if (one.contains("whole_run_rad"))  // else it is calculated again
+        out[{one.at("model"), one.at("round"), one.at("repetition")}] = {errors_in(one),
+                                                                         number_in(one.at("whole_run_rad"))};
   } catch (const Json::exception& e) {
     throw core::DataError(path + ": " + e.what() + "; expected " + kLoopJson);
   }
   return out;
+}
+
+std::string to_json_text(const WholeRunFit& found, const floating::WindowErrors& given,
+                         const floating::WindowErrors& identified) {
+  const Json out = {{"schema", "furcula-walk-identification/1"},
+                    {"iterations", found.simulations},
+                    {"training", {{"given", errors(given)}, {"identified", errors(identified)}}},
+                    {"held_out", nullptr},
+                    {"whole_run", {{"start_rad", number(found.start_rad)}, {"identified_rad", number(found.error_rad)}}},
+                    {"causes", Json::array()},
+                    {"parameters", Json::array()}};
+  return out.dump(2) + "\n";
 }
 
 void read_identification(const std::string& path, Round& round) {
@@ -144,6 +163,8 @@ void read_identification(const std::string& path, Round& round) {
   try {
     round.given = errors_in(j.at("training").at("given"));
     round.identified = errors_in(j.at("training").at("identified"));
+    if (j.contains("whole_run"))
+      round.whole_run_rad = {j.at("whole_run").at("start_rad"), j.at("whole_run").at("identified_rad")};
     for (const Json& c : j.at("causes"))
       round.causes.push_back({c.at("name"),
                               c.at("unit").is_null() ? std::string() : std::string(c.at("unit")),

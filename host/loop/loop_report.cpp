@@ -42,7 +42,7 @@ double error_on_round_mrad(const LoopResult& result, std::size_t model, std::siz
   double sum = 0.0, n = 0.0;
   for (const auto& [cell, errors] : result.triangle)
     if (cell.model == model && cell.round == round) {
-      const double e = 1e3 * model_error_rad(errors);
+      const double e = 1e3 * model_error_rad(errors.windows);
       sum += e * e, n += 1.0;
     }
   return n > 0.0 ? std::sqrt(sum / n) : std::numeric_limits<double>::quiet_NaN();
@@ -131,21 +131,26 @@ std::string triangle_table(const LoopResult& result, bool links, const Value& va
 
 std::string triangle_html(const LoopResult& result) {
   if (result.triangle.empty()) return "";
-  using Errors = floating::WindowErrors;
+  using Errors = CellErrors;
   const auto part = [&](const char* title, auto&& value) {
     return "<h4>" + escape(title) + "</h4>\n" + triangle_table(result, false, value);
   };
-  return triangle_table(result, true, [](const Errors& e) { return 1e3 * model_error_rad(e); }) +
+  return triangle_table(result, true, [](const Errors& e) { return 1e3 * model_error_rad(e.windows); }) +
          "<div class=\"legend\"><span class=\"key training-key\">training: the model was identified from this trial</span>"
          "<span class=\"key stood-key\">the robot stood at the end of this trial</span></div>\n" +
          report::paragraph(
              "Root mean squares of measured minus predicted, in mrad, over joint angles and attitude together: document 000, "
              "Eq. 3, without the joint targets. Each window is simulated from a start that is fitted to it, driven by the logged joint "
              "targets; the attitude filter's error is fitted too. Without a mark a number is a prediction of a trial that the model has not seen.") +
-         "<details><summary>Joint angles, attitude and gyro</summary>\n" +
-         part("Joint angles, mrad", [](const Errors& e) { return 1e3 * e.angle_rad; }) +
-         part("Attitude, mrad", [](const Errors& e) { return 1e3 * e.attitude_rad; }) +
-         part("Gyro, mrad/s", [](const Errors& e) { return 1e3 * e.gyro_radps; }) + "</details>\n";
+         "<h3>Whole walks</h3>\n" +
+         triangle_table(result, false, [](const Errors& e) { return 1e3 * e.whole_run_rad; }) +
+         report::paragraph(
+             "Document 000, Eq. 3, in mrad: each model walks from the start on with the walking controller. Root mean squares of measured minus "
+             "simulated over joint angles, joint targets, roll, pitch and yaw until the robot falls. When the feet land differs, so errors are larger than over windows.") +
+         "<details><summary>Windows: joint angles, attitude and gyro</summary>\n" +
+         part("Joint angles, mrad", [](const Errors& e) { return 1e3 * e.windows.angle_rad; }) +
+         part("Attitude, mrad", [](const Errors& e) { return 1e3 * e.windows.attitude_rad; }) +
+         part("Gyro, mrad/s", [](const Errors& e) { return 1e3 * e.windows.gyro_radps; }) + "</details>\n";
 }
 
 std::string over_rounds(const LoopResult& result) {
@@ -176,7 +181,7 @@ std::string round_html(const LoopResult& result, std::size_t r) {
   std::string out =
       "<h3>Round " + std::to_string(r) + "</h3>\n<p>" + link(round.walk, "walk.toml") +
       (r > 1 ? ", " + link(folder(r) + "report.html", "its search") : "") +
-      (round.identified ? ", " + link(folder(r) + "identification.html", "identification") : "") + "</p>\n";
+      (round.identified && !round.whole_run_rad ? ", " + link(folder(r) + "identification.html", "identification") : "") + "</p>\n";
   const walk::Rollout& s = round.simulated;
   out += report::paragraph("In simulation of the model " +
                            (r == 1 ? "as given" : "identified after round " + std::to_string(r - 1)) + ": " +
@@ -195,6 +200,10 @@ std::string round_html(const LoopResult& result, std::size_t r) {
                t.walks);
   out += trials.html();
   if (!round.identified) return out;
+  if (round.whole_run_rad)
+    return out + report::paragraph("Identified by a search over whole walks: Eq. 3 over all trials so far " +
+                                   number(1e3 * round.whole_run_rad->first, 3) + " to " +
+                                   number(1e3 * round.whole_run_rad->second, 3) + " mrad.");
   if (round.causes.empty())
     return out + report::paragraph(
                      "Causes: none; no number is likelier to differ from the model as given than not.");
@@ -210,6 +219,9 @@ std::string command_of(const LoopOptions& o) {
          " --robot " + core::shell_word(o.robot) + " --rounds " + std::to_string(o.rounds) +
          " --exercise-s " + core::shortest(o.exercise_s) + " --repetitions " + std::to_string(o.repetitions) +
          " --steps " + std::to_string(o.steps) +
+         (o.identify_by != IdentifyBy::windows
+              ? " --identify " + std::string(kIdentifyByNames[static_cast<std::size_t>(o.identify_by)])
+              : "") +
          (o.mode ? " --mode " + std::string(walk::kModeNames[static_cast<std::size_t>(*o.mode)]) : "") +
          " --seed " + std::to_string(o.seed) + " --out " + core::shell_word(o.out);
 }

@@ -19,8 +19,13 @@ struct Cell {
   }
 };
 
-/// The model as given on all trials, every other one on those of its fit and of the round after it. `predicted` is empty.
-using Triangle = std::map<Cell, floating::WindowErrors>;
+struct CellErrors {
+  floating::WindowErrors windows;  ///< `predicted` is empty
+  double whole_run_rad = 0.0;      ///< Eq. 3 over the whole walk, the robot simulated with its controller (whole_run.hpp)
+};
+
+/// The model as given on all trials, every other one on those of its fit and of the round after it.
+using Triangle = std::map<Cell, CellErrors>;
 
 /// Root mean square over joint angles and attitude together: document 000, Eq. 3, over windows. The targets' term is left out: the logged
 /// targets drive the simulation.

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -37,8 +38,10 @@ struct WalkMoment {
   const control::WalkState<T>& walk;
   const control::WalkOutputs<T>& out;
   const control::WalkSample<T>& sample;
+  /// Number of each lane's job; none where the lane has no robot any more.
+  const std::array<std::optional<std::size_t>, control::WalkState<T>::kRobots>& job;
   dynamics::tree::Vec3<T> position_m;  ///< of the pelvis frame when the sample was taken
-  double time_s;
+  T time_s;
 };
 
 class PeriodicRollout;  // return_map.cpp
@@ -55,10 +58,10 @@ class BatchedRollout {
   using Take = std::function<const Job*(std::size_t&)>;
   using Done = std::function<void(std::size_t, const Rollout&)>;
 
-  /// `known` is the robot as the controller has it in its feedback.
+  /// `known` is the robot as the controller has it in its feedback, unless the options have another.
   BatchedRollout(const dynamics::biped::Description& robot, const dynamics::biped::Description& known,
                  const RolloutOptions& options)
-      : BatchedRollout({{robot, {}, {}, {}, 0.0, {}}}, known, options, false) {}
+      : BatchedRollout({{robot, options.sensors, 0.0, {}}}, known, options, options.sensors.any()) {}
   /// Of an ensemble, at least one.
   BatchedRollout(std::span<const Member> members, const dynamics::biped::Description& known,
                  const RolloutOptions& options)
@@ -88,14 +91,13 @@ class BatchedRollout {
 
   /// take(i) gives a robot's job and its number i, or none; done(i, rollout) gets what it did.
   void run(const Take& take, const Done& done) {
-    std::array<bool, kRobots> busy{};
-    std::array<std::size_t, kRobots> number{};
     std::size_t running = 0;
     const auto next = [&](std::size_t lane) {
-      const Job* job = take(number[lane]);
-      busy[lane] = job != nullptr;
-      if (busy[lane]) ++running;
-      begin(lane, busy[lane] ? *job : Job{standing(), 0});
+      std::size_t number = 0;
+      const Job* job = take(number);
+      job_[lane] = job != nullptr ? std::optional(number) : std::nullopt;
+      if (job != nullptr) ++running;
+      begin(lane, job != nullptr ? *job : Job{standing(), 0});
     };
     for (std::size_t lane = 0; lane < kRobots; ++lane) next(lane);
     while (running > 0) {
@@ -103,9 +105,9 @@ class BatchedRollout {
       if (!dynamics::any(ended_ > V(0.5))) continue;
       for (std::size_t lane = 0; lane < kRobots; ++lane) {
         if (!(lane_of(ended_, lane) > V(0.5))) continue;
-        if (busy[lane]) {
+        if (job_[lane]) {
           --running;
-          done(number[lane], result(lane));
+          done(*job_[lane], result(lane));
           next(lane);
         } else {
           begin(lane, {standing(), 0});
@@ -116,13 +118,13 @@ class BatchedRollout {
 
  private:
   BatchedRollout(const std::vector<Member>& members, const dynamics::biped::Description& known,
-                 const RolloutOptions& options, bool is_ensemble)
+                 const RolloutOptions& options, bool differ)
       : robots_(std::make_shared<const std::vector<Robot>>(members.begin(), members.end())),
-        is_ensemble_(is_ensemble),
+        differ_(differ),
         o_(options),
         plant_(members.front().robot),
         laws_(dynamics::biped::active_laws(plant_)),
-        config_({}, dynamics::biped::Parameters<T>(known)) {
+        config_({}, dynamics::biped::Parameters<T>(options.known ? *options.known : known)) {
     using namespace dynamics::biped;
     config_.walk_until_s = static_cast<V>(o_.walk_until_s);
     on_the_way_.resize(static_cast<std::size_t>(std::lround(o_.command_delay_s / o_.tick_s())));
@@ -178,7 +180,7 @@ class BatchedRollout {
   void become(std::size_t lane, std::size_t member) {
     using namespace dynamics::biped;
     member_[lane] = member;
-    if (!is_ensemble_) return;
+    if (!differ_) return;
     const Robot& r = robot(lane);
     furcula::biped::put_robot<T>(plant_, lane, r.plain);
     T here = T(V(0));
@@ -221,11 +223,11 @@ class BatchedRollout {
       }
     Kinematics<double> k;
     kinematics<DesignTopology>(r.plain, still, k);
-    if (is_ensemble_) {
+    if (differ_) {
       // The encoders read the posture, and the lowest corner of the soles is on the ground.
       for (std::size_t i = 0; i < kJoints; ++i)
         if (o_.mode != WalkMode::semi_passive || i % kLegJoints != kHipPitch)
-          set_joint<double>(still.q_rad, i, joint<double>(still.q_rad, i) - r.m.encoder_offset_rad[i]);
+          set_joint<double>(still.q_rad, i, joint<double>(still.q_rad, i) - r.m.sensors.encoder_rad[i]);
       kinematics<DesignTopology>(r.plain, still, k);
       still.position_m.z -= lowest_m(r.m.robot, k);
       kinematics<DesignTopology>(r.plain, still, k);
@@ -236,7 +238,7 @@ class BatchedRollout {
     // At rest an accelerometer measures gravity's opposite, and the filter takes the vertical from it.
     const auto acc = -transposed_times(rotation(still.attitude), r.plain.gravity_mps2);
     put(acc_mps2_, lane, acc);
-    put(filter_.attitude, lane, control::attitude_at_rest(is_ensemble_ ? imu_axes(r.m) * acc : acc).attitude);
+    put(filter_.attitude, lane, control::attitude_at_rest(differ_ ? imu_axes(r.m) * acc : acc).attitude);
     for (auto* v : {&s_.w_radps, &s_.v_mps, &filter_.bias_radps}) put(*v, lane, {0.0, 0.0, 0.0});
     for (const std::size_t side : {kLeft, kRight}) {
       const std::size_t pass = Legs<T>::pass(side);
@@ -293,12 +295,12 @@ class BatchedRollout {
     const Vec3<T> position = s_.position_m;
     const T zero = T(V(0)), one = T(V(1));
     for (const std::size_t side : {kLeft, kRight})
-      switch_[side].step(is_ensemble_ ? members_.measured_n(normal_n_[side]) : normal_n_[side],
+      switch_[side].step(differ_ ? members_.measured_n(normal_n_[side]) : normal_n_[side],
                          static_cast<V>(o_.foot_threshold_n), dt);
     control::WalkSample<T> sample{
         s_.q_rad, s_.qd_radps, s_.w_radps, {}, switch_[kLeft].carries, switch_[kRight].carries};
     control::Imu<T> imu{s_.w_radps, acc_mps2_};
-    if (is_ensemble_) {
+    if (differ_) {
       members_.push(time_s_, o_.tick_s(), plant_.gravity_mps2);
       members_.sense(sample, imu);
     }
@@ -315,7 +317,7 @@ class BatchedRollout {
       std::swap(command.target_rad, on_the_way_[next_on_the_way_]);
       next_on_the_way_ = (next_on_the_way_ + 1) % on_the_way_.size();
     }
-    if (is_ensemble_) members_.command(command);
+    if (differ_) members_.command(command);
 
     T farthest = zero;
     for (int k = 0; k < o_.steps_a_tick; ++k) {
@@ -329,7 +331,7 @@ class BatchedRollout {
     // A sample is of the end of the last step, its accelerations of that step.
     acc_mps2_ =
         report_.acceleration.vd_mps2 + cross(s_.w_radps, s_.v_mps) -
-        transposed_times(rotation(s_.attitude), is_ensemble_ ? members_.gravity_mps2() : plant_.gravity_mps2);
+        transposed_times(rotation(s_.attitude), differ_ ? members_.gravity_mps2() : plant_.gravity_mps2);
     for (const std::size_t side : {kLeft, kRight})
       normal_n_[side] = Legs<T>::read(report_.contact.normal_n[Legs<T>::pass(side)], side);
     time_s_ += T(dt);
@@ -351,8 +353,7 @@ class BatchedRollout {
     const T hits = larger(near, is(apart.y < V(0)));
     off_ = select(fallen > V(0.5), T(V(1)), select(away > V(0.5), T(V(2)), T(V(3) * hits)));
     ended_ = larger(is(off_ > V(0.5)), is(time_s_ > static_cast<V>(o_.time_s - 0.5 * o_.tick_s())));
-    if constexpr (std::is_same_v<T, double>)
-      if (watch) watch({s_, report_, walk_, out_, sample, position, time_s_});
+    if (watch) watch({s_, report_, walk_, out_, sample, job_, position, time_s_});
   }
 
   /// Energy, and the most of what has a limit, of a step that began with these joint speeds. The joint that is farthest from zero, rad.
@@ -519,8 +520,9 @@ class BatchedRollout {
   }
 
   std::shared_ptr<const std::vector<Robot>> robots_;
-  bool is_ensemble_ = false;
-  std::array<std::size_t, kRobots> member_{};  ///< of each lane
+  bool differ_ = false;  ///< robots do, or their sensors err
+  std::array<std::size_t, kRobots> member_{};             ///< of each lane
+  std::array<std::optional<std::size_t>, kRobots> job_{};  ///< of each lane
   RolloutOptions o_;
   dynamics::biped::Parameters<T> plant_;
   dynamics::biped::State<T> s_;
@@ -540,7 +542,7 @@ class BatchedRollout {
   T time_s_{}, ended_{}, off_{};
   std::array<JointEnergy, dynamics::biped::kJoints> joints_{}, ended_joints_{};  ///< copper_j in (N m)^2 s
   std::array<double, kRobots> begins_m_{};
-  MemberBatch<T> members_;  ///< of an ensemble alone
+  MemberBatch<T> members_;  ///< where they differ alone
   std::vector<dynamics::biped::Joints<T>>
       on_the_way_;  ///< targets that late drives do not act on yet, a ring
   std::size_t next_on_the_way_ = 0;

@@ -1,4 +1,4 @@
-// Rows of a log that a board writes of itself: what its devices gave, what it told the drives, its attitude and foot switches.
+// Rows as a board logs itself (board_row.hpp), in a log.
 #pragma once
 
 #include "furcula/control/walk/walker.hpp"
@@ -6,7 +6,7 @@
 
 namespace furcula::walk {
 
-/// Appends a row with the columns of `furcula walk sim` but for the base's position. `board` and `told`: after the tick that took `sample`.
+/// Appends a board_row.
 void put_row(log::Log& log, double time_s, const control::WalkerSample& sample,
              const control::WalkerState& board, const control::WalkerOutputs& told);
 

@@ -31,13 +31,13 @@ std::uint32_t crc_of(std::string_view bytes) {
   return crc.value();
 }
 
-/// Of all numbers that a robot is.
-std::string hash_of(const dynamics::biped::Description& robot) {
-  using Description = dynamics::biped::Description;
-  static_assert(std::is_trivially_copyable_v<Description> && sizeof(Description) % sizeof(double) == 0 &&
-                alignof(Description) == alignof(double));  // doubles alone: no padding
-  std::array<char, sizeof(Description)> bytes;
-  std::memcpy(bytes.data(), &robot, bytes.size());
+/// Of all numbers that a robot, or its sensors' errors, are.
+template <class Numbers>
+std::string hash_of(const Numbers& numbers) {
+  static_assert(std::is_trivially_copyable_v<Numbers> && sizeof(Numbers) % sizeof(double) == 0 &&
+                alignof(Numbers) == alignof(double));  // doubles alone: no padding
+  std::array<char, sizeof(Numbers)> bytes;
+  std::memcpy(bytes.data(), &numbers, bytes.size());
   return core::hexadecimal(crc_of({bytes.data(), bytes.size()}));
 }
 
@@ -126,6 +126,9 @@ Settings settings_of(const Model& model, const SearchOptions& options, const std
                {"foot_threshold_n", core::shortest(r.foot_threshold_n)},
                {"motors of passive hips", r.hips_follow ? "follow" : "off"},
                {"first walk, m", core::shortest(options.first_walk_m)}};
+  if (r.sensors.any()) out.emplace_back("errors of the sensors, as a hash", hash_of(r.sensors));
+  if (r.known && hash_of(*r.known) != hash_of(model.robot))
+    out.emplace_back("the robot that the controller knows, as a hash", hash_of(*r.known));
   if (r.command_delay_s > 0.0) out.emplace_back("command_delay_s", core::shortest(r.command_delay_s));
   for (const LimitKey& k : kLimitKeys)
     out.emplace_back("[limits] " + std::string(k.name), core::shortest(r.limits.*k.of));

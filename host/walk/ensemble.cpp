@@ -29,12 +29,12 @@ void push(Random& r, double mass_kg, Member& m) {
 
 }  // namespace
 
+SensorOffsets sensors_of(const Machine& machine) {
+  return {machine.encoder_offset_rad, machine.imu_turn_rad, machine.gyro_bias_radps};
+}
+
 Member member_of(const Machine& machine) {
-  Member m{machine.robot, {}, {}, {}, 0.0, {}};
-  m.encoder_offset_rad = machine.encoder_offset_rad;
-  m.imu_turn_rad = machine.imu_turn_rad;
-  m.gyro_bias_radps = machine.gyro_bias_radps;
-  return m;
+  return {machine.robot, sensors_of(machine), 0.0, {}};
 }
 
 std::vector<Member> drawn_robots(const Machine& machine, WalkMode mode, const EnsembleOptions& options) {

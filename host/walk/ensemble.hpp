@@ -9,6 +9,8 @@
 
 namespace furcula::walk {
 
+SensorOffsets sensors_of(const furcula::biped::Machine& machine);
+
 /// A machine as BatchedRollout simulates it. Attitudes of joints' frames, gear elasticity, backlash, delay and constant torques are left out.
 Member member_of(const furcula::biped::Machine& machine);
 

@@ -8,6 +8,7 @@
 
 #include "furcula/dynamics/biped/parameters.hpp"
 #include "host/walk/member.hpp"
+#include "host/walk/trace.hpp"
 
 namespace furcula::walk {
 
@@ -16,5 +17,10 @@ namespace furcula::walk {
 void run_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,
                const RolloutOptions& options, std::span<const Job> jobs, std::atomic<std::size_t>& next,
                std::span<Rollout> out);
+
+/// The same with what each measures, every so many ticks.
+void trace_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,
+                 const RolloutOptions& options, std::span<const Job> jobs, std::atomic<std::size_t>& next,
+                 long ticks_a_row, std::span<Trace> out);
 
 }  // namespace furcula::walk

@@ -18,9 +18,7 @@ struct Member {
   static constexpr std::size_t kPushes = 16;
 
   dynamics::biped::Description robot;
-  std::array<double, dynamics::biped::kJoints> encoder_offset_rad{};  ///< measured less true; left then right
-  dynamics::tree::Vec3<double> imu_turn_rad{};                        ///< of the IMU against the pelvis
-  dynamics::tree::Vec3<double> gyro_bias_radps{};
+  SensorOffsets sensors;
   double foot_change_n = 0.0;          ///< the feet's sensors read so much more
   std::array<Push, kPushes> pushes{};  ///< one after the other; the last ones may have no length
 };

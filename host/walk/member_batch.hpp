@@ -12,7 +12,7 @@ namespace furcula::walk {
 
 /// From the pelvis' axes to the IMU's.
 inline dynamics::tree::Mat3<double> imu_axes(const Member& m) {
-  const auto& t = m.imu_turn_rad;
+  const auto& t = m.sensors.imu_turn_rad;
   return transposed(rotation(
       dynamics::biped::normalised(control::Quaternion<double>{1.0, 0.5 * t.x, 0.5 * t.y, 0.5 * t.z})));
 }
@@ -31,13 +31,13 @@ class MemberBatch {
     next_push_[lane] = 0;
     put(change_s_, lane, 0.0);
     put(gravity_mps2_, lane, gravity_mps2);
-    put(gyro_bias_radps_, lane, member.gyro_bias_radps);
+    put(gyro_bias_radps_, lane, member.sensors.gyro_bias_radps);
     put(foot_change_n_, lane, member.foot_change_n);
     const auto to_imu = imu_axes(member);
     put(to_imu_.x, lane, to_imu.x), put(to_imu_.y, lane, to_imu.y), put(to_imu_.z, lane, to_imu.z);
     for (std::size_t i = 0; i < kJoints; ++i) {
       T all = joint<T>(offset_rad_, i);
-      put(all, lane, member.encoder_offset_rad[i]);
+      put(all, lane, member.sensors.encoder_rad[i]);
       set_joint<T>(offset_rad_, i, all);
     }
   }

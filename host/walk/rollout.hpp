@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "furcula/control/walk/walk_parameters.hpp"
+#include "furcula/dynamics/biped/parameters.hpp"
 
 namespace furcula::walk {
 
@@ -35,6 +37,21 @@ struct WalkLimits {
          along_m = 0.25;  ///< ankles nearer than this sideways while nearer than that along; or crossed
 };
 
+/// Constant errors of a robot's sensors.
+struct SensorOffsets {
+  std::array<double, dynamics::biped::kJoints> encoder_rad{};  ///< measured less true; left then right
+  dynamics::tree::Vec3<double> imu_turn_rad{};                 ///< of the IMU against the pelvis
+  dynamics::tree::Vec3<double> gyro_bias_radps{};
+
+  bool any() const {
+    double most = 0.0;
+    for (const double x : encoder_rad) most = std::max(most, std::abs(x));
+    for (const auto& v : {imu_turn_rad, gyro_bias_radps})
+      most = std::max({most, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return most > 0.0;
+  }
+};
+
 /// Of drives that walks can be searched for: what a board's supervisor allows for beyond its buses' two ticks.
 inline constexpr double kMostCommandDelay_s = 18e-3;
 inline constexpr double kSoleMargin_m = 0.03;
@@ -52,6 +69,9 @@ struct RolloutOptions {
   /// semi_passive: whether the hips' motors follow their links all the while. Else they are off, as they are not joined before the end.
   bool hips_follow = false;
   WalkLimits limits;
+  SensorOffsets sensors;  ///< of the robot; members of an ensemble have their own
+  /// The robot as the controller has it in its feedback, as on a board; without it as it is simulated.
+  std::optional<dynamics::biped::Description> known;
 
   double tick_s() const { return step_s * steps_a_tick; }
 };

@@ -84,6 +84,12 @@ class Space {
   std::vector<std::size_t> used_;
 };
 
+/// With an ensemble one step a tick.
+RolloutOptions of_ensemble(RolloutOptions options, const std::vector<Member>& ensemble) {
+  if (!ensemble.empty()) options.step_s = options.tick_s(), options.steps_a_tick = 1;
+  return options;
+}
+
 double cpu_now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
@@ -100,9 +106,21 @@ std::vector<Rollout> run_jobs(const dynamics::biped::Description& robot, const s
   std::vector<Rollout> out(jobs.size());
   std::atomic<std::size_t> next{0};
   const unsigned used = std::max(1u, threads);
-  RolloutOptions o = options;
-  if (!ensemble.empty()) o.step_s = o.tick_s(), o.steps_a_tick = 1;
+  const RolloutOptions o = of_ensemble(options, ensemble);
   core::parallel_for(used, used, [&](std::size_t) { run_lanes(robot, ensemble, o, jobs, next, out); });
+  return out;
+}
+
+std::vector<Trace> traces(const dynamics::biped::Description& robot, const std::vector<Member>& ensemble,
+                          const RolloutOptions& options, const std::vector<Job>& jobs, double row_s,
+                          unsigned threads) {
+  std::vector<Trace> out(jobs.size());
+  std::atomic<std::size_t> next{0};
+  const unsigned used = std::max(1u, threads);
+  const RolloutOptions o = of_ensemble(options, ensemble);
+  const long ticks_a_row = std::max(1L, std::lround(row_s / o.tick_s()));
+  core::parallel_for(used, used,
+                     [&](std::size_t) { trace_lanes(robot, ensemble, o, jobs, next, ticks_a_row, out); });
   return out;
 }
 

@@ -13,6 +13,7 @@
 #include "host/walk/member.hpp"
 #include "host/walk/method.hpp"
 #include "host/walk/rollout.hpp"
+#include "host/walk/trace.hpp"
 
 namespace furcula::walk {
 
@@ -24,6 +25,11 @@ std::vector<Rollout> run_walks(const dynamics::biped::Description& robot, const 
 /// little beside how the members deviate.
 std::vector<Rollout> run_jobs(const dynamics::biped::Description& robot, const std::vector<Member>& ensemble,
                               const RolloutOptions& options, const std::vector<Job>& jobs, unsigned threads);
+
+/// The same with what each robot measures, every `row_s`, a whole number of ticks.
+std::vector<Trace> traces(const dynamics::biped::Description& robot, const std::vector<Member>& ensemble,
+                          const RolloutOptions& options, const std::vector<Job>& jobs, double row_s,
+                          unsigned threads);
 
 /// One walk in double.
 Rollout run_walk(const dynamics::biped::Description& robot, const RolloutOptions& options,

@@ -10,10 +10,6 @@ namespace furcula::walk {
 
 using namespace dynamics::biped;
 
-std::string joint_name(std::size_t i) {
-  return (i < kLegJoints ? "left_" : "right_") + std::string(kLegJointNames[i % kLegJoints]);
-}
-
 Simulation simulate_walk(const Description& robot, const RolloutOptions& options, const Parameters& walk,
                          double row_s, std::optional<std::uint64_t> seed) {
   Simulation out;

@@ -7,12 +7,10 @@
 
 #include "furcula/dynamics/biped/parameters.hpp"
 #include "host/log/log.hpp"
+#include "host/walk/board_row.hpp"
 #include "host/walk/rollout.hpp"
 
 namespace furcula::walk {
-
-/// Of a joint's columns: "left_hip_yaw" is the first, the left leg's from the hip down come before the right's.
-std::string joint_name(std::size_t joint);
 
 struct Simulation {
   log::Log log;

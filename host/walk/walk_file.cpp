@@ -60,6 +60,17 @@ Model read_model(const std::string& path) {
   return out;
 }
 
+RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_until_s) {
+  RolloutOptions o;
+  o.mode = mode;
+  o.walk_until_s = walk_until_s;
+  o.limits = model.limits;
+  o.command_delay_s = std::max(model.machine.delay_s, 0.0);
+  o.sensors = sensors_of(model.machine);
+  o.known = model.undeviated;
+  return o;
+}
+
 std::string format_model(const Model& model, const biped::Machine& machine, const std::string& folder) {
   namespace fs = std::filesystem;
   const fs::path urdf = fs::absolute(fs::path(model.file).parent_path() / model.urdf);

@@ -47,15 +47,8 @@ Model read_model(const std::string& path);
 std::string format_model(const Model& model, const furcula::biped::Machine& machine,
                          const std::string& folder);
 
-/// Of a walk of this model, all else as RolloutOptions has it.
-inline RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_until_s) {
-  RolloutOptions o;
-  o.mode = mode;
-  o.walk_until_s = walk_until_s;
-  o.limits = model.limits;
-  o.command_delay_s = std::max(model.machine.delay_s, 0.0);
-  return o;
-}
+/// Of a walk of this model, all else as RolloutOptions has it. The controller is a board's, which knows the robot without deviations.
+RolloutOptions rollout_of(const Model& model, WalkMode mode, double walk_until_s);
 
 /// What a board gets of a walk that was found so.
 inline Walk walk_of(const Model& model, const RolloutOptions& options, const Parameters& found) {

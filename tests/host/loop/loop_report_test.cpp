@@ -58,19 +58,24 @@ TEST_CASE("a triangle is read from loop.json as it was written, however large") 
   loop::LoopResult loop = test::sample_loop();
   for (unsigned model = 3; model <= 100; ++model)
     for (unsigned round = 1; round <= model + 1; ++round)
-      loop.triangle[{model, round, 1}].angle_rad = 1.0 / (model + round);
-  loop.triangle.at({0, 1, 1}).gyro_radps = std::nan("");
+      loop.triangle[{model, round, 1}].windows.angle_rad = 1.0 / (model + round);
+  loop.triangle.at({0, 1, 1}).windows.gyro_radps = std::nan("");
   const test::TemporaryFolder folder;
   const std::string text = loop::to_json_text({}, options(), loop);
   CHECK(text.size() > 1 << 20);  // what other files of settings may have
   const loop::Triangle read = loop::triangle_in(folder.file("loop.json", text));
   REQUIRE(read.size() == loop.triangle.size());
   for (const auto& [cell, errors] : loop.triangle) {
-    CHECK(read.at(cell).angle_rad == errors.angle_rad);
-    CHECK(read.at(cell).windows == errors.windows);
+    CHECK(read.at(cell).windows.angle_rad == errors.windows.angle_rad);
+    CHECK(read.at(cell).windows.windows == errors.windows.windows);
+    CHECK(read.at(cell).whole_run_rad == errors.whole_run_rad);
   }
-  CHECK(std::isnan(read.at({0, 1, 1}).gyro_radps));
+  CHECK(std::isnan(read.at({0, 1, 1}).windows.gyro_radps));
   CHECK(loop::triangle_in(folder.file("old.json", "{\"schema\": \"furcula-walk-loop/1\"}")).empty());
+  // Of a file without errors over whole walks they are computed again.
+  CHECK(loop::triangle_in(folder.file("windows.json", R"({"schema": "furcula-walk-loop/1", "triangle": [{"model": 0, "round": 1,
+          "repetition": 1, "windows": 3, "rms_angle_rad": 1, "rms_attitude_rad": 1, "rms_gyro_radps": 1}]})"))
+            .empty());
   CHECK_THAT(test::error_message([&] { loop::triangle_in(folder.file("not.json", "{")); }),
              Contains("not.json: no JSON") && Contains("expected a loop.json of furcula walk loop"));
 }
@@ -99,6 +104,8 @@ TEST_CASE("the page of a loop has each model and each trial once, with their mar
   CHECK_THAT(first, Contains("cell\">111<") && Contains("cell training\">211<") &&
                         Contains("cell stood\">222<") && Contains("cell training stood\">322<") &&
                         Contains("cell stood\">331<"));
+  const std::string whole = triangle.substr(triangle.find("Whole walks"));
+  CHECK_THAT(whole, Contains("cell training\">2110<") && Contains("cell stood\">3310<"));
   CHECK(count(first, ">231<") == 0);  // the model of round 1 on a walk that comes later
   CHECK_THAT(section(page, "answer"), Contains("132 <span") && Contains("332&#8239;<small>mrad"));
   CHECK_THAT(rounds, Contains("coulomb_friction@left_knee") && Contains("6.3 N m") &&
@@ -119,10 +126,10 @@ TEST_CASE("the page of a loop's first trial says what is there already") {
   begun.triangle = {{{0, 1, 1}, begun.triangle.at({0, 1, 1})}};
   const std::string page = loop::render_loop_report("robot", options(), begun);
   CHECK_THAT(page, Contains("0 of 1 trials of round 1 stand and get at least 0.625 m"));
-  CHECK(count(page, "class=\"cell") == 1 + 3);
+  CHECK(count(page, "class=\"cell") == 1 + 1 + 3);
   // Of a model that a loop of more rounds has left, nothing is on the page of a shorter one.
   loop::LoopResult more = begun;
-  more.triangle[{1, 1, 1}].angle_rad = 7.77e-3;
+  more.triangle[{1, 1, 1}].windows.angle_rad = 7.77e-3;
   CHECK(loop::render_loop_report("robot", options(), more) == page);
   CHECK(count(page, "Identified after") == 0);
   begun.triangle.clear();

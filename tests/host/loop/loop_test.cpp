@@ -104,7 +104,7 @@ TEST_CASE("a loop ends where the robot walks, and is refused with other argument
   };
   refused([](auto& o) { o.steps = 2; }, "steps '1', expected '2'");
   refused([](auto& o) { o.seed = 2; }, "seed '1', expected '2'");
-  refused([](auto& o) { o.deviations = 0.5; }, "other robots of a robust search '7, ");
+  refused([](auto& o) { o.ensemble.deviations = 0.5; }, "other robots of a robust search '7, ");
   refused([](auto& o) { o.repetitions = 3; }, "repetitions '2', expected '3'");
   refused([](auto& o) { o.mode = walk::WalkMode::semi_passive; }, "mode 'active', expected 'semi_passive'");
   refused([](auto& o) { o.walk = test::source("models/biped/active_walk.toml"); }, "start 'a walk, ");

@@ -15,7 +15,7 @@ using namespace furcula::walk;
 
 namespace {
 
-Member still(const dynamics::biped::Description& robot) { return {robot, {}, {}, {}, 0.0, {}}; }
+Member still(const dynamics::biped::Description& robot) { return {robot, {}, 0.0, {}}; }
 
 bool same(const Rollout& a, const Rollout& b) {
   return a.ending == b.ending && a.time_s == b.time_s && a.work_j == b.work_j && a.copper_j == b.copper_j &&
@@ -125,7 +125,7 @@ TEST_CASE("encoders that err read the posture at first, and the drives hold what
   const auto robot = dynamics::biped::design();
   Member m = still(robot);
   constexpr std::size_t kKnee = dynamics::biped::kKnee;
-  m.encoder_offset_rad[kKnee] = 0.02;
+  m.sensors.encoder_rad[kKnee] = 0.02;
   const auto posture = [&](const Member& member, double& read_rad, double& is_rad, double& end_rad) {
     bool first = true;
     watched(member, 1.0, test::standing_walk(), [&](const WalkMoment<double>& at) {
@@ -145,8 +145,8 @@ TEST_CASE("encoders that err read the posture at first, and the drives hold what
 TEST_CASE("a turned and biased IMU gives what it measures in its own axes") {
   Member m = still(dynamics::biped::design());
   const double turn = 0.1;
-  m.imu_turn_rad = {turn, 0.0, 0.0};
-  m.gyro_bias_radps = {0.0, 0.0, 0.03};
+  m.sensors.imu_turn_rad = {turn, 0.0, 0.0};
+  m.sensors.gyro_bias_radps = {0.0, 0.0, 0.03};
   // It stands: gravity's opposite, and nothing but the bias of the gyro.
   bool seen = false;
   watched(m, 0.2, test::standing_walk(), [&](const WalkMoment<double>& at) {
@@ -158,6 +158,30 @@ TEST_CASE("a turned and biased IMU gives what it measures in its own axes") {
     CHECK(at.sample.gyro_radps.z == Approx(0.03).margin(1e-3));
   });
   CHECK(seen);
+}
+
+TEST_CASE("a robot without an ensemble has the sensors that its options say, and its controller knows the robot that they say") {
+  const auto design = dynamics::biped::design();
+  auto robot = design;
+  robot.pelvis.mass_kg += 2.0;
+  robot.pelvis.centre_m.x += 0.01;
+  Member m{robot, {}, 0.0, {}};
+  m.sensors.encoder_rad[dynamics::biped::kKnee] = 0.01;
+  m.sensors.imu_turn_rad.y = 0.01;
+  const Parameters walk = test::found_walk().parameters;
+  RolloutOptions options = one_step_a_tick(WalkMode::active);
+  options.time_s = 1.5;
+  options.known = design;
+  const Rollout member = BatchedRollout<double>(std::span(&m, 1), robot, options).run_one(walk);
+  RolloutOptions own = options;
+  own.sensors = m.sensors;
+  CHECK(same(run_walk(robot, own, walk), member));
+  CHECK_FALSE(same(run_walk(robot, options, walk), member));
+  CHECK(same(run_walks(robot, own, {walk}, 1)[0], run_jobs(robot, {m}, options, {{walk, 0}}, 1)[0]));
+  // A controller that knows of the mass does otherwise.
+  own.known.reset();
+  CHECK_FALSE(same(run_walk(robot, own, walk), member));
+  CHECK(same(run_walk(robot, own, walk), BatchedRollout<double>(std::span(&m, 1), robot, own).run_one(walk)));
 }
 
 TEST_CASE("a foot whose sensor reads too little does not close its switch") {
@@ -205,7 +229,7 @@ TEST_CASE(
     // Document 000, Table I: masses within 1 kg, encoders 0.5 degrees; the thigh's mass and all encoders.
     heaviest = std::max(heaviest, m.robot.legs[0][2].mass_kg);
     lightest = std::min(lightest, m.robot.legs[0][2].mass_kg);
-    for (const double o : m.encoder_offset_rad) farthest = std::max(farthest, std::abs(o));
+    for (const double o : m.sensors.encoder_rad) farthest = std::max(farthest, std::abs(o));
     CHECK(std::abs(m.robot.slope_x_rad) <= 0.25 * degree);
     CHECK(std::abs(m.foot_change_n) <= 7.5);
     CHECK(std::abs(m.robot.ground.friction - 0.8) <= 0.2);
