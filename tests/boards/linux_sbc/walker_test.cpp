@@ -11,7 +11,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "boards/linux_sbc/loop.hpp"
@@ -20,7 +23,9 @@
 #include "host/walk/walker_config.hpp"
 #include "host/walk/walker_devices.hpp"
 #include "host/walk/walker_faults.hpp"
+#include "host/log/reader.hpp"
 #include "tests/boards/linux_sbc/doubles.hpp"
+#include "tests/folder.hpp"
 #include "tests/host/walk/walks.hpp"
 
 #ifdef FURCULA_COUNTS_ALLOCATIONS
@@ -108,7 +113,7 @@ struct Robot {
   }
   void loop() {
     static_cast<void>(board.wait_for_tick());
-    linux_sbc::run_walker_tick(board, node);
+    linux_sbc::run_walker_tick(board, node, recorder);
   }
   void after() {
     for (std::size_t bus = 0; bus < kBuses; ++bus) {
@@ -149,6 +154,7 @@ struct Robot {
   std::array<std::vector<bus::Frame>, kBuses> in, heard, out;  ///< for the next tick; in this tick
   bus::NodeState was = bus::NodeState::starting;               ///< before the tick
   int ticks = 0;
+  linux_sbc::WalkRecorder* recorder = nullptr;
 
  private:
   Host host_;
@@ -502,11 +508,88 @@ TEST_CASE("a robot whose devices do not all answer is in its fault after a secon
   CHECK(robot.node.state() == bus::NodeState::fault);
 }
 
-TEST_CASE("a thousand ticks of a walk take nothing from the heap") {
+TEST_CASE("furculad logs each walk from its first tick to its end, as a file that is whole") {
+  const test::Folder folder;
+  std::string said;
+  linux_sbc::WalkRecorder recorder(folder.file("") + "walks", 100, [&](const std::string& line) { said += line + "\n"; });
+  Robot robot(robot_of());
+  robot.recorder = &recorder;
+  robot.walk();
+  // Of the first tick of a row, as the node had it.
+  const auto first = robot.node.walker().last;
+  const auto told = robot.node.outputs();
+  robot.tick(1999);
+  const auto last = robot.node.walker().last;
+  robot.tick(1);
+  CHECK(robot.node.walker().last.joints[3].angle_rad != last.joints[3].angle_rad);
+  robot.say(Host::Request::stop);
+  robot.tick(50);
+  REQUIRE(robot.node.outputs().stage == WalkerStage::idle);
+  // It hangs in its posture again, and walks for a moment.
+  Robot again(robot_of());
+  again.recorder = &recorder;
+  again.walk();
+  again.tick(100);
+  std::thread writer([&] { recorder.serve(); });
+  recorder.stop();
+  writer.join();
+  CHECK(said == folder.file("") + "walks/walk_1.csv has the walk\n" + folder.file("") + "walks/walk_2.csv has the walk\n");
+  CHECK_FALSE(std::filesystem::exists(folder.file("") + "walks/walk_1.csv.part"));
+  const log::Log log = log::read_log(folder.file("") + "walks/walk_1.csv", "tree");
+  const auto& time = log.columns.at("time_s");
+  // `stop` is heard at the next of the host's frames, 10 ms apart.
+  REQUIRE(time.size() >= 200);
+  CHECK(time.size() <= 203);
+  for (std::size_t k = 0; k < time.size(); ++k) CHECK(time[k] == Approx(0.01 * static_cast<double>(k)).margin(1e-9));
+  for (std::size_t i = 0; i < control::kWalkerJoints; ++i) {
+    const std::string name = walk::joint_name(i);
+    CHECK(log.columns.at("angle_" + name + "_rad")[0] == Approx(first.joints[i].angle_rad));
+    CHECK(log.columns.at("angle_cmd_" + name + "_rad")[0] == Approx(told.joints[i].target_rad));
+    CHECK(log.columns.at("torque_" + name + "_nm")[0] == Approx(first.joints[i].torque_nm));
+  }
+  CHECK(log.columns.at("acc_z_mps2")[0] == Approx(first.acc_mps2.z));
+  CHECK(log.columns.at("contact_left_foot")[0] == 1.0);
+  CHECK(log.columns.size() == walk::kBoardColumns);
+  CHECK(log::read_log(folder.file("") + "walks/walk_2.csv", "tree").columns.at("time_s").size() == 11);
+  // The next furculad goes on with the next number.
+  linux_sbc::WalkRecorder next(folder.file("") + "walks", 1000, [&](const std::string& line) { said = line; });
+  Robot third(robot_of());
+  third.recorder = &next;
+  third.walk();
+  third.tick(2000);  // nobody has written: there is place for 1024 rows
+  next.stop();
+  next.serve();
+  CHECK_THAT(said, Catch::Contains("walk_3.csv has the walk"));
+  CHECK(log::read_log(folder.file("") + "walks/walk_3.csv", "tree").columns.at("time_s").size() == 1024);
+}
+
+TEST_CASE("a walk that cannot be written is said, and the robot goes on") {
+  const test::Folder folder;
+  std::string said;
+  linux_sbc::WalkRecorder recorder(folder.file("") + "walks", 100, [&](const std::string& line) { said += line + "\n"; });
+  std::filesystem::remove_all(folder.file("") + "walks");
+  Robot robot(robot_of());
+  robot.recorder = &recorder;
+  robot.walk();
+  robot.tick(200);
+  recorder.stop();
+  recorder.serve();
+  CHECK_THAT(said, Catch::Contains("walk_1.csv.part cannot be written: No such file or directory; this walk is not logged"));
+  CHECK(robot.node.outputs().stage == WalkerStage::walking);
+  std::ofstream(folder.file("") + "file") << "no folder";
+  CHECK_THROWS_WITH(linux_sbc::WalkRecorder(folder.file("") + "file", 100, [](const std::string&) {}),
+                    Catch::Contains("[log] folder " + folder.file("") + "file: ") &&
+                        Catch::Contains("expected a folder to write walks to"));
+}
+
+TEST_CASE("a thousand ticks of a walk take nothing from the heap, its log included") {
 #ifndef FURCULA_COUNTS_ALLOCATIONS
   WARN("not counted under a sanitizer");
 #else
+  const test::Folder folder;
+  linux_sbc::WalkRecorder recorder(folder.file(""), 1000, [](const std::string&) {});
   Robot robot(robot_of());
+  robot.recorder = &recorder;
   robot.walk();
   unsigned long taken = 0;
   for (int i = 0; i < 1000; ++i) {
