@@ -12,7 +12,9 @@
 namespace furcula::floating {
 namespace {
 
-constexpr std::size_t kMostCauses = 6, kRivals = 24, kFitted = 4;
+constexpr std::size_t kRivals = 24, kFitted = 4;
+/// Of one that is expected, four or more have a probability of 2 %: then all numbers of the tables may deviate, each a little.
+constexpr std::size_t kMostCauses = 4;
 constexpr double kAsLikely = 3.0;  // odds of 20
 constexpr double kLittle = 0.05;   // of a prior's deviation: two simulators of one robot differ by as much
 constexpr double kTick_s =
@@ -66,41 +68,73 @@ struct Own {
   std::vector<double> spreads;
 };
 
-/// @param last how many columns are the last
-Squares squares(const LinearWindow& l, const Variances& v, const std::vector<std::size_t>& columns,
-                std::size_t last, const Own& own) {
-  Squares s;
-  Eigen::VectorXd inverse_sd(l.y.size());
-  for (Eigen::Index k = 0; k < l.y.size(); ++k) {
-    const double variance = v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)];
-    inverse_sd[k] = 1.0 / std::sqrt(variance);
-    s.log_determinant += std::log(variance);
-  }
-  const auto of_window = l.c.cols(), further = static_cast<Eigen::Index>(own.unknowns.size());
-  Eigen::MatrixXd c(l.y.size(), of_window + further);
-  c.leftCols(of_window) = inverse_sd.asDiagonal() * l.c;
-  for (Eigen::Index k = 0; k < of_window; ++k)
-    c.col(k) *= std::sqrt(v.local[group_of(l.locals[static_cast<std::size_t>(k)])]);
-  c.rightCols(further) = inverse_sd.asDiagonal() * l.a(Eigen::all, own.unknowns);
-  for (Eigen::Index k = 0; k < further; ++k) c.col(of_window + k) *= own.spreads[static_cast<std::size_t>(k)];
-  Eigen::MatrixXd m = Eigen::MatrixXd::Identity(c.cols(), c.cols());
-  m.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
-  const Eigen::LLT<Eigen::MatrixXd> solver(m);
-  const Eigen::VectorXd y = inverse_sd.cwiseProduct(l.y), cy = solver.matrixL().solve(c.transpose() * y);
-  const Eigen::MatrixXd a = inverse_sd.asDiagonal() * l.a(Eigen::all, columns),
-                        ca = solver.matrixL().solve(c.transpose() * a);
-  s.information = (a.colwise().squaredNorm() - ca.colwise().squaredNorm()).transpose();
-  const auto n = static_cast<Eigen::Index>(last);
-  s.with_last = a.rightCols(n).transpose() * a - ca.rightCols(n).transpose() * ca;
-  s.score = a.transpose() * y - ca.transpose() * cy;
-  s.y = y.squaredNorm() - cy.squaredNorm();
-  s.rows = static_cast<double>(y.size());
-  s.log_determinant += 2.0 * Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
-  return s;
-}
+/// A window's squares of all columns and of y, its own unknowns integrated out: what other Squares are made of.
+struct Gram {
+  Eigen::MatrixXd all;  ///< y is the last
+  double log_determinant = 0.0, rows = 0.0;
 
-/// Numbers that were named: where they are, and how far windows' own values scatter about it. Prior standard deviations.
+  Gram() = default;
+  Gram(const LinearWindow& l, const Variances& v) {
+    Eigen::VectorXd inverse_sd(l.y.size());
+    for (Eigen::Index k = 0; k < l.y.size(); ++k) {
+      const double variance = v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)];
+      inverse_sd[k] = 1.0 / std::sqrt(variance);
+      log_determinant += std::log(variance);
+    }
+    Eigen::MatrixXd c = inverse_sd.asDiagonal() * l.c;
+    for (Eigen::Index k = 0; k < c.cols(); ++k)
+      c.col(k) *= std::sqrt(v.local[group_of(l.locals[static_cast<std::size_t>(k)])]);
+    Eigen::MatrixXd m = Eigen::MatrixXd::Identity(c.cols(), c.cols());
+    m.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
+    const Eigen::LLT<Eigen::MatrixXd> solver(m);
+    Eigen::MatrixXd a(l.y.size(), l.a.cols() + 1);
+    a.leftCols(l.a.cols()) = inverse_sd.asDiagonal() * l.a;
+    a.rightCols(1) = inverse_sd.cwiseProduct(l.y);
+    const Eigen::MatrixXd ca = solver.matrixL().solve(c.transpose() * a);
+    all = Eigen::MatrixXd::Zero(a.cols(), a.cols());
+    all.selfadjointView<Eigen::Lower>().rankUpdate(a.transpose());
+    all.selfadjointView<Eigen::Lower>().rankUpdate(ca.transpose(), -1.0);
+    all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
+    rows = static_cast<double>(l.y.size());
+    log_determinant += 2.0 * Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
+  }
+
+  /// The window has its own value of that column, with such a standard deviation.
+  void integrate(Eigen::Index column, double spread) {
+    const Eigen::VectorXd with = all.col(column);
+    const double own = spread * spread, share = 1.0 + own * with[column];
+    all -= own / share * with * with.transpose();
+    log_determinant += std::log(share);
+  }
+
+  /// @param last how many columns are the last
+  Squares squares(const std::vector<std::size_t>& columns, std::size_t last, const Own& own) const {
+    // The columns, y, and those that are integrated out.
+    std::vector<Eigen::Index> of;
+    for (const std::size_t c : columns) of.push_back(static_cast<Eigen::Index>(c));
+    of.push_back(all.cols() - 1);
+    for (const std::size_t c : own.unknowns) of.push_back(static_cast<Eigen::Index>(c));
+    Gram g;
+    g.all = all(of, of);
+    g.log_determinant = log_determinant;
+    const auto n = static_cast<Eigen::Index>(columns.size()), m = static_cast<Eigen::Index>(last);
+    for (std::size_t k = 0; k < own.spreads.size(); ++k)
+      if (own.spreads[k] > 0.0) g.integrate(n + 1 + static_cast<Eigen::Index>(k), own.spreads[k]);
+    Squares s;
+    s.information = g.all.diagonal().head(n);
+    s.score = g.all.col(n).head(n);
+    s.with_last = g.all.block(n - m, 0, m, n);
+    s.y = g.all(n, n);
+    s.rows = rows;
+    s.log_determinant = g.log_determinant;
+    return s;
+  }
+};
+
+/// Numbers that were named: where they are, and how far windows' own values scatter about it. Prior standard deviations. The first `free` of
+/// them have no name: all of a kind that may deviate, the same in all windows.
 struct Named {
+  std::size_t free = 0;
   std::vector<std::size_t> unknowns;
   Eigen::VectorXd theta;
   std::vector<double> spreads;
@@ -113,10 +147,12 @@ struct Named {
     return n;
   }
 
+  /// Of those with a name, the k-th.
   Named without(std::size_t k) const {
     Named n;
+    n.free = free;
     for (std::size_t i = 0; i < unknowns.size(); ++i)
-      if (i != k) n = n.with(unknowns[i], theta[static_cast<Eigen::Index>(i)], spreads[i]);
+      if (i != free + k) n = n.with(unknowns[i], theta[static_cast<Eigen::Index>(i)], spreads[i]);
     return n;
   }
 };
@@ -135,7 +171,7 @@ class Evidences {
         linear_(std::move(linear)),
         locals_(std::move(locals)) {
     for (std::size_t i = 0; i < unknowns.size(); ++i)
-      if (of_simulator(unknowns[i])) simulator_.unknowns.push_back(i), simulator_.spreads.push_back(1.0);
+      if (of_simulator(unknowns[i])) simulator_.push_back(i);
     constexpr std::size_t kPhases = 4;  // later ones are alike
     std::size_t further = 4 * kPhases;
     for (const Window& w : windows) {
@@ -143,7 +179,7 @@ class Evidences {
       // On the stand no ground acts: each window is by itself.
       phase_.push_back(stance == 0 ? further++ : std::min(w.phase, kPhases - 1) * 4 + stance);
     }
-    estimate_variances();
+    estimate_variances(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns.size())));
   }
 
   /// Of `all`, where each of `named` differs by an amount that is sought, and from window to window by its spread.
@@ -151,10 +187,11 @@ class Evidences {
     std::vector<std::size_t> columns;
     for (const Candidate& c : all) columns.push_back(c.unknown);
     columns.insert(columns.end(), named.unknowns.begin(), named.unknowns.end());
-    Own own = simulator_;
-    own.unknowns.insert(own.unknowns.end(), named.unknowns.begin(), named.unknowns.end());
-    own.spreads.insert(own.spreads.end(), named.spreads.begin(), named.spreads.end());
-    const std::vector<Squares> parts = squares_of(linear_, columns, named.unknowns.size(), own);
+    const auto free = static_cast<std::ptrdiff_t>(named.free);
+    const std::vector<Squares> parts =
+        squares_of(columns, named.unknowns.size(),
+                   {{named.unknowns.begin() + free, named.unknowns.end()},
+                    {named.spreads.begin() + free, named.spreads.end()}});
     // What is common to all windows of the named ones, at its most likely, is taken off.
     const auto n_all = static_cast<Eigen::Index>(all.size()),
                n = static_cast<Eigen::Index>(named.unknowns.size()),
@@ -193,58 +230,105 @@ class Evidences {
   /// posterior there, by Laplace's approximation and with the present variances: by its difference one set of numbers is likelier than another.
   double fit(Named& named) const {
     constexpr int kSteps = 3;
+    // Those without a name keep the derivatives that are there: they are many, and where they are.
+    const auto free = static_cast<Eigen::Index>(named.free), n = named.theta.size();
+    const std::vector<std::size_t> kept(named.unknowns.begin(), named.unknowns.begin() + free);
     std::vector<Unknown> those;
-    for (const std::size_t i : named.unknowns) those.push_back(unknowns_[i]);
-    std::vector<std::size_t> columns(those.size());
+    for (std::size_t k = named.free; k < named.unknowns.size(); ++k) those.push_back(unknowns_[named.unknowns[k]]);
+    std::vector<std::size_t> columns(named.unknowns.size());
     std::iota(columns.begin(), columns.end(), std::size_t{0});
-    Point point = at(model_, those, named.theta, locals_);
+    Point point = at(model_, unknowns_, all_of(named), locals_);
     double best = -std::numeric_limits<double>::infinity();
     for (int k = 0; k < kSteps; ++k) {
       refit_locals(recordings_, windows_, first_variances(), point, settings_);
-      const std::vector<Squares> parts =
-          squares_of(linearised(recordings_, windows_, first_variances(), those, point, settings_), columns,
-                     columns.size(), {});
-      const auto n = point.theta.size();
-      Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
-      Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
-      double here = -0.5 * point.theta.squaredNorm();
-      for (const Squares& s : parts) {
-        // Student's t over windows, as in a fit of all numbers.
-        const double left = s.at(point.theta), weight = (kFreedom + s.rows) / (kFreedom + left);
-        precision += weight * s.with_last, score += weight * s.score;
-        here -= 0.5 * (s.log_determinant + (kFreedom + s.rows) * std::log1p(left / kFreedom));
-      }
-      const Eigen::LLT<Eigen::MatrixXd> solver(precision);
-      here -= Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
-      if (!(here > best)) break;
-      best = here, named.theta = point.theta;
-      point = at(model_, those, solver.solve(score), point.locals);
+      const Eigen::VectorXd theta = point.theta(named.unknowns);
+      std::vector<LinearWindow> linear =
+          linearised(recordings_, windows_, first_variances(), those,
+                     {point.machine, theta.tail(n - free), point.locals}, settings_);
+      std::vector<Squares> parts(linear.size());
+      core::parallel_for(linear.size(), settings_.threads, [&](std::size_t w) {
+        LinearWindow& l = linear[w];
+        Eigen::MatrixXd a(l.y.size(), n);
+        a << linear_[w].a(Eigen::all, kept), l.a;
+        l.a = std::move(a);
+        l.y += l.a.leftCols(free) * theta.head(free);
+        parts[w] = Gram(l, variances_[w]).squares(columns, columns.size(), {});
+      });
+      const Step step = step_of(parts, theta);
+      if (!(step.log_posterior > best)) break;
+      best = step.log_posterior, named.theta = theta;
+      Eigen::VectorXd all = all_of(named);
+      all(named.unknowns) = step.to;
+      point = at(model_, unknowns_, all, point.locals);
     }
     return best;
   }
 
   /// Goes to these numbers: windows are linearised about them from here on.
   void go_to(const Named& named) {
-    Eigen::VectorXd theta = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
-    for (std::size_t k = 0; k < named.unknowns.size(); ++k)
-      theta[static_cast<Eigen::Index>(named.unknowns[k])] = named.theta[static_cast<Eigen::Index>(k)];
-    Point point = at(model_, unknowns_, theta, locals_);
+    Point point = at(model_, unknowns_, all_of(named), locals_);
     refit_locals(recordings_, windows_, first_variances(), point, settings_);
     linear_ = linearised(recordings_, windows_, first_variances(), unknowns_, point, settings_);
     locals_ = point.locals;
-    estimate_variances();
+    estimate_variances(point.theta);
+  }
+
+  /// Where the windows' linear model has these numbers, and the logarithm of the posterior there, each window with its own ground.
+  double settle(Named& named) const {
+    const Step step = step_of(squares_of(named.unknowns, named.unknowns.size(), {}), named.theta);
+    named.theta = step.to;
+    return step.log_posterior;
   }
 
  private:
-  void estimate_variances() { variances_ = estimated(linear_, first_variances(), settings_.threads); }
+  /// Of all unknowns.
+  Eigen::VectorXd all_of(const Named& named) const {
+    Eigen::VectorXd theta = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_.size()));
+    theta(named.unknowns) = named.theta;
+    return theta;
+  }
 
-  std::vector<Squares> squares_of(const std::vector<LinearWindow>& linear,
-                                  const std::vector<std::size_t>& columns, std::size_t last,
-                                  const Own& own) const {
-    std::vector<Squares> out(linear.size());
-    core::parallel_for(linear.size(), settings_.threads, [&](std::size_t w) {
-      out[w] = squares(linear[w], variances_[w], columns, last, own);
+  /// A step of Gauss and Newton from `theta`, and the logarithm of the posterior there by Laplace's approximation; Student's t over windows, as in
+  /// a fit of all numbers.
+  struct Step {
+    Eigen::VectorXd to;
+    double log_posterior = 0.0;
+  };
+  static Step step_of(const std::vector<Squares>& parts, const Eigen::VectorXd& theta) {
+    const auto n = theta.size();
+    Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(n, n);
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
+    Step out;
+    out.log_posterior = -0.5 * theta.squaredNorm();
+    for (const Squares& s : parts) {
+      const double left = s.at(theta), weight = (kFreedom + s.rows) / (kFreedom + left);
+      precision += weight * s.with_last, score += weight * s.score;
+      out.log_posterior -= 0.5 * (s.log_determinant + (kFreedom + s.rows) * std::log1p(left / kFreedom));
+    }
+    const Eigen::LLT<Eigen::MatrixXd> solver(precision);
+    out.log_posterior -= Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
+    out.to = solver.solve(score);
+    return out;
+  }
+
+  /// About `theta`: what the windows leave there is what disturbs them.
+  void estimate_variances(const Eigen::VectorXd& theta) {
+    for (LinearWindow& l : linear_) l.y -= l.a * theta;
+    variances_ = estimated(linear_, first_variances(), settings_.threads);
+    grams_.resize(linear_.size());
+    core::parallel_for(linear_.size(), settings_.threads, [&](std::size_t w) {
+      linear_[w].y += linear_[w].a * theta;
+      grams_[w] = Gram(linear_[w], variances_[w]);
+      // Each window has its own ground.
+      for (const std::size_t i : simulator_) grams_[w].integrate(static_cast<Eigen::Index>(i), 1.0);
     });
+  }
+
+  std::vector<Squares> squares_of(const std::vector<std::size_t>& columns, std::size_t last,
+                                  const Own& own) const {
+    std::vector<Squares> out(grams_.size());
+    core::parallel_for(grams_.size(), settings_.threads,
+                       [&](std::size_t w) { out[w] = grams_[w].squares(columns, last, own); });
     return out;
   }
 
@@ -256,7 +340,8 @@ class Evidences {
   std::vector<LinearWindow> linear_;
   std::vector<Local> locals_;
   std::vector<Variances> variances_;
-  Own simulator_;
+  std::vector<Gram> grams_;
+  std::vector<std::size_t> simulator_;
   std::vector<std::size_t> phase_;
 };
 
@@ -322,20 +407,17 @@ Ranking ranked(const Evidences& evidences, const std::vector<Candidate>& all,
   return out;
 }
 
-}  // namespace
+/// Causes that are found about what is named already, and how likely all is with them.
+struct Found {
+  std::vector<Cause> causes;
+  double log_posterior = 0.0;
+};
 
-std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unknowns,
-                          const std::vector<Recording>& recordings, const std::vector<Window>& windows,
-                          std::vector<LinearWindow> linear, const std::vector<Local>& locals,
-                          const Settings& settings) {
-  std::vector<Candidate> all = candidates(model, unknowns);
+Found found_of(Evidences& evidences, std::vector<Candidate> all, Named named) {
   const double prior = std::log(static_cast<double>(all.size()));
-  Evidences evidences(model, unknowns, recordings, windows, std::move(linear), locals, settings);
-
-  std::vector<Cause> found;
-  Named named;
+  Found out;
   std::vector<Candidate> of_named;
-  while (found.size() < kMostCauses) {
+  while (out.causes.size() < kMostCauses) {
     const std::vector<RandomEffect> effects = evidences(all, named);
     const std::vector<std::size_t> rivals = rivals_of(effects, prior);
     if (rivals.empty()) break;
@@ -354,18 +436,59 @@ std::vector<Cause> causes(const Machine& model, const std::vector<Unknown>& unkn
       if (b < kAsLikely) cause.correlated_with.push_back(all[k].unknown);
     }
     cause.confidence = 1.0 / (1.0 + odds);
-    found.push_back(std::move(cause));
+    out.causes.push_back(std::move(cause));
     named = std::move(ranking.named);
     of_named.push_back(all[best]);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
     // What windows say of each about where all are.
     evidences.go_to(named);
-    for (std::size_t k = 0; k < found.size(); ++k) {
+    for (std::size_t k = 0; k < out.causes.size(); ++k) {
       const RandomEffect now = evidences({of_named[k]}, named.without(k)).front();
-      found[k].theta = now.theta, found[k].sd = now.sd, found[k].spread = named.spreads[k] = now.spread;
+      Cause& c = out.causes[k];
+      c.theta = now.theta, c.sd = now.sd, c.spread = named.spreads[named.free + k] = now.spread;
     }
   }
-  return found;
+  out.log_posterior = evidences.settle(named) - prior * static_cast<double>(out.causes.size());
+  return out;
+}
+
+/// All numbers of the tables, none of which has a name: from where `theta` has them to where they are likeliest with the others as in the model.
+/// `evidences` goes there.
+Named settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns, const Eigen::VectorXd& theta) {
+  constexpr int kSteps = 3;
+  Named tables;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (unknowns[i].of_tables && !of_simulator(unknowns[i]))
+      tables = tables.with(i, theta[static_cast<Eigen::Index>(i)], 0.0);
+  tables.free = tables.unknowns.size();
+  Named best = tables;
+  double most = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kSteps; ++k) {
+    evidences.go_to(tables);
+    Named here = tables;
+    const double now = evidences.settle(here);
+    if (!(now > most)) break;
+    most = now, best = std::exchange(tables, std::move(here));
+  }
+  if (best.theta != tables.theta) evidences.go_to(best);
+  evidences.settle(best);
+  return best;
+}
+
+}  // namespace
+
+Causes causes(const Machine& model, const std::vector<Unknown>& unknowns, const std::vector<Recording>& recordings,
+              const std::vector<Window>& windows, std::vector<LinearWindow> linear,
+              const std::vector<Local>& locals, const Eigen::VectorXd& fitted, const Settings& settings) {
+  Evidences evidences(model, unknowns, recordings, windows, std::move(linear), locals, settings);
+  std::vector<Candidate> all = candidates(model, unknowns);
+  Found few = found_of(evidences, all, {});
+  if (few.causes.size() < kMostCauses) return {std::move(few.causes), false};
+  const Named tables = settled_tables(evidences, unknowns, fitted);
+  std::erase_if(all, [&](const Candidate& c) { return unknowns[c.unknown].of_tables; });
+  Found beyond = found_of(evidences, all, tables);
+  if (!(beyond.log_posterior > few.log_posterior)) return {std::move(few.causes), false};
+  return {std::move(beyond.causes), true};
 }
 
 }  // namespace furcula::floating

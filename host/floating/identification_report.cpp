@@ -189,8 +189,16 @@ std::string causes_html(const Identified& found) {
   const std::string how = report::paragraph(
       "A number is named here where its deviation is the same in all windows and the windows are likelier with it than without. The ground, the "
       "soles and the ramp of dry friction are not among the candidates: two simulators differ in these.");
+  const std::string all =
+      found.all_numbers_deviate
+          ? report::paragraph(
+                "The numbers of document 000, Tables I and II, deviate all together, none of them by itself: that is likelier than four or more "
+                "that do. Causes are laws beyond them.")
+          : "";
   if (found.causes.empty())
-    return report::paragraph("None: no number is likelier to differ from the model than not.") + how;
+    return report::paragraph(all.empty() ? "None: no number is likelier to differ from the model than not."
+                                         : "None beyond the tables.") +
+           all + how;
   report::Table table({{"Number"}, {"Deviation, about", true}, {"Confidence", true}, {"Correlated with"}});
   for (const Cause& c : found.causes) {
     const Unknown& u = found.unknowns[c.unknown];
@@ -201,7 +209,7 @@ std::string causes_html(const Identified& found) {
                number(c.confidence, 2), escape(others)},
               c.confidence > 0.5);
   }
-  return table.html() + how;
+  return table.html() + all + how;
 }
 
 std::string recordings_html(const Identification& of) {

@@ -260,21 +260,26 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   out.before = window_errors(given, recordings, options);
   say(0.1, "the ground");
   const Machine model = with_best_simulator(given, recordings, windows, options);
-  say(0.2, "causes");
+  say(0.2, "derivatives");
   Fit fit(model, out.unknowns, recordings, windows, options.settings);
-  // The fit keeps the variances of the priors: those with the model as it is hold what the fit shall find.
-  out.causes =
-      causes(model, out.unknowns, recordings, windows, fit.linear(), fit.point().locals, options.settings);
+  std::vector<LinearWindow> linear = fit.linear();
+  const std::vector<Local> locals = fit.point().locals;
   if (options.start) fit.begin_at(*options.start);
   for (bool further = true; further && out.iterations < options.iterations; ++out.iterations) {
-    say(0.3 + 0.6 * out.iterations / options.iterations, "fitting all numbers");
+    say(0.3 + 0.4 * out.iterations / options.iterations, "fitting all numbers");
     further = fit.improve();
   }
   out.theta = fit.point().theta;
   out.machine = fit.point().machine;
   biped::make_possible(given, out.machine);  // the ramp of dry friction, for walks
   out.sd = fit.sd();
-  say(0.9, "windows of the identified robot");
+  say(0.7, "causes");
+  // The fit keeps the variances of the priors: those with the model as it is hold what the fit shall find.
+  Causes named =
+      causes(model, out.unknowns, recordings, windows, std::move(linear), locals, out.theta, options.settings);
+  out.causes = std::move(named.causes);
+  out.all_numbers_deviate = named.all_numbers_deviate;
+  say(0.95, "windows of the identified robot");
   out.after = window_errors(out.machine, recordings, options);
   return out;
 }

@@ -39,6 +39,7 @@ struct Identified {
   Eigen::VectorXd theta, sd;
   Machine given, machine;  ///< the model; the robot at the mode
   std::vector<Cause> causes;
+  bool all_numbers_deviate = false;  ///< as of Causes
   WindowErrors before, after;
   int iterations = 0;
 };

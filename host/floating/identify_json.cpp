@@ -52,6 +52,7 @@ std::string to_json_text(const Identified& found, const WindowErrors* held_out_b
                                                             : Json{{"given", errors(*held_out_before)},
                                                                    {"identified", errors(*held_out_after)}}},
                     {"causes", causes},
+                    {"all_numbers_deviate", found.all_numbers_deviate},
                     {"parameters", parameters}};
   return out.dump(2) + "\n";
 }
