@@ -102,7 +102,8 @@ void WalkRecorder::begin(std::uint32_t walk) {
   part_ = path_ + ".part";
   file_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   std::string header = "# format: furcula-log/1\n# machine_type: tree\n";
-  for (const std::string& column : walk::board_columns()) header += (header.back() == '\n' ? "" : ",") + column;
+  for (const std::string& column : walk::board_columns())
+    header += (header.back() == '\n' ? "" : ",") + column;
   header += '\n';
   if (file_ < 0 || !write_text(file_, header)) fail("cannot be written");
 }
@@ -116,7 +117,8 @@ void WalkRecorder::write(const Row& row) {
     at = std::to_chars(at, at + kNumberBytes - 2, static_cast<float>(value)).ptr;
   }
   *at++ = '\n';
-  if (!write_text(file_, {text.data(), static_cast<std::size_t>(at - text.data())})) fail("cannot be written");
+  if (!write_text(file_, {text.data(), static_cast<std::size_t>(at - text.data())}))
+    fail("cannot be written");
 }
 
 void WalkRecorder::end() {

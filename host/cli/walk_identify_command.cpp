@@ -34,7 +34,8 @@ void say_causes(const floating::Identified& found) {
   if (found.causes.empty() && !found.all_numbers_deviate)
     std::printf("causes: none; no number is likelier to differ from the model than not\n");
   if (found.all_numbers_deviate)
-    std::printf("the numbers of document 000's tables deviate all together, none by itself: causes are laws beyond them\n");
+    std::printf(
+        "the numbers of document 000's tables deviate all together, none by itself: causes are laws beyond them\n");
   for (const floating::Cause& c : found.causes) {
     const floating::Unknown& u = found.unknowns[c.unknown];
     std::string others;

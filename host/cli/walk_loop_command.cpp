@@ -107,13 +107,13 @@ void add_walk_loop_command(CLI::App& walk) {
           "How far the other robots of a search, which is robust, are from the identified one: times the ranges of "
           "document 000, Tables I and II")
       ->capture_default_str();
-  command
-      ->add_option("--robots", o->robots, "Other robots of a search; 0: the identified one alone")
+  command->add_option("--robots", o->robots, "Other robots of a search; 0: the identified one alone")
       ->capture_default_str();
   command
-      ->add_option("--identify", o->identify,
-                   "windows: all numbers with priors, causes named; whole_run: document 000's way, an evolutionary search "
-                   "for the least error of whole walks; none: each walk is searched about the model as given")
+      ->add_option(
+          "--identify", o->identify,
+          "windows: all numbers with priors, causes named; whole_run: document 000's way, an evolutionary search "
+          "for the least error of whole walks; none: each walk is searched about the model as given")
       ->check(CLI::IsMember(
           std::vector<std::string>(loop::kIdentifyByNames.begin(), loop::kIdentifyByNames.end())))
       ->capture_default_str();

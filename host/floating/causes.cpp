@@ -188,10 +188,9 @@ class Evidences {
     for (const Candidate& c : all) columns.push_back(c.unknown);
     columns.insert(columns.end(), named.unknowns.begin(), named.unknowns.end());
     const auto free = static_cast<std::ptrdiff_t>(named.free);
-    const std::vector<Squares> parts =
-        squares_of(columns, named.unknowns.size(),
-                   {{named.unknowns.begin() + free, named.unknowns.end()},
-                    {named.spreads.begin() + free, named.spreads.end()}});
+    const std::vector<Squares> parts = squares_of(columns, named.unknowns.size(),
+                                                  {{named.unknowns.begin() + free, named.unknowns.end()},
+                                                   {named.spreads.begin() + free, named.spreads.end()}});
     // What is common to all windows of the named ones, at its most likely, is taken off.
     const auto n_all = static_cast<Eigen::Index>(all.size()),
                n = static_cast<Eigen::Index>(named.unknowns.size()),
@@ -234,7 +233,8 @@ class Evidences {
     const auto free = static_cast<Eigen::Index>(named.free), n = named.theta.size();
     const std::vector<std::size_t> kept(named.unknowns.begin(), named.unknowns.begin() + free);
     std::vector<Unknown> those;
-    for (std::size_t k = named.free; k < named.unknowns.size(); ++k) those.push_back(unknowns_[named.unknowns[k]]);
+    for (std::size_t k = named.free; k < named.unknowns.size(); ++k)
+      those.push_back(unknowns_[named.unknowns[k]]);
     std::vector<std::size_t> columns(named.unknowns.size());
     std::iota(columns.begin(), columns.end(), std::size_t{0});
     Point point = at(model_, unknowns_, all_of(named), locals_);
@@ -454,7 +454,8 @@ Found found_of(Evidences& evidences, std::vector<Candidate> all, Named named) {
 
 /// All numbers of the tables, none of which has a name: from where `theta` has them to where they are likeliest with the others as in the model.
 /// `evidences` goes there.
-Named settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns, const Eigen::VectorXd& theta) {
+Named settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns,
+                     const Eigen::VectorXd& theta) {
   constexpr int kSteps = 3;
   Named tables;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
@@ -477,9 +478,10 @@ Named settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns,
 
 }  // namespace
 
-Causes causes(const Machine& model, const std::vector<Unknown>& unknowns, const std::vector<Recording>& recordings,
-              const std::vector<Window>& windows, std::vector<LinearWindow> linear,
-              const std::vector<Local>& locals, const Eigen::VectorXd& fitted, const Settings& settings) {
+Causes causes(const Machine& model, const std::vector<Unknown>& unknowns,
+              const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+              std::vector<LinearWindow> linear, const std::vector<Local>& locals,
+              const Eigen::VectorXd& fitted, const Settings& settings) {
   Evidences evidences(model, unknowns, recordings, windows, std::move(linear), locals, settings);
   std::vector<Candidate> all = candidates(model, unknowns);
   Found few = found_of(evidences, all, {});

@@ -16,7 +16,8 @@ struct Cause {
 };
 
 struct Causes {
-  std::vector<Cause> causes;  ///< in the order in which they were found; none where no number is likelier to differ than not
+  std::vector<Cause>
+      causes;  ///< in the order in which they were found; none where no number is likelier to differ than not
   /// All numbers of document 000, Tables I and II, deviate, none of which has a name: the causes are laws beyond them.
   bool all_numbers_deviate = false;
 };
@@ -28,8 +29,9 @@ struct Causes {
 /// window by its own amount.
 /// @param linear about `model`, at `locals`
 /// @param fitted a fit of all numbers, in prior standard deviations
-Causes causes(const Machine& model, const std::vector<Unknown>& unknowns, const std::vector<Recording>& recordings,
-              const std::vector<Window>& windows, std::vector<LinearWindow> linear,
-              const std::vector<Local>& locals, const Eigen::VectorXd& fitted, const Settings& settings);
+Causes causes(const Machine& model, const std::vector<Unknown>& unknowns,
+              const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+              std::vector<LinearWindow> linear, const std::vector<Local>& locals,
+              const Eigen::VectorXd& fitted, const Settings& settings);
 
 }  // namespace furcula::floating

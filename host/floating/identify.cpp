@@ -275,8 +275,8 @@ Identified identify(const Machine& given, const std::vector<Recording>& recordin
   out.sd = fit.sd();
   say(0.7, "causes");
   // The fit keeps the variances of the priors: those with the model as it is hold what the fit shall find.
-  Causes named =
-      causes(model, out.unknowns, recordings, windows, std::move(linear), locals, out.theta, options.settings);
+  Causes named = causes(model, out.unknowns, recordings, windows, std::move(linear), locals, out.theta,
+                        options.settings);
   out.causes = std::move(named.causes);
   out.all_numbers_deviate = named.all_numbers_deviate;
   say(0.95, "windows of the identified robot");

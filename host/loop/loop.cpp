@@ -246,8 +246,8 @@ class Loop {
       say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
                      ", confidence " + core::rounded(c.confidence, 2));
     if (r.whole_run_rad)
-      say(round, "model error (Eq. 3) over whole walks: " + core::rounded(1e3 * r.whole_run_rad->first, 3) + " to " +
-                     core::rounded(1e3 * r.whole_run_rad->second, 3) + " mrad");
+      say(round, "model error (Eq. 3) over whole walks: " + core::rounded(1e3 * r.whole_run_rad->first, 3) +
+                     " to " + core::rounded(1e3 * r.whole_run_rad->second, 3) + " mrad");
     say(round, errors_in_words(*r.given, *r.identified));
     const walk::Model model = walk::read_model(model_file(round));
     for (unsigned k = 0; k < round * o_.repetitions; ++k)
@@ -259,25 +259,25 @@ class Loop {
 
   /// Writes identification.json, .html and the model.
   void fit_windows(unsigned round) {
-      floating::IdentifyOptions options = o_.identify;
-      options.settings.threads = o_.threads;
-      if (round > 1) options.start = walk::read_model(model_file(round - 1)).machine;
-      options.progress = [&](double fraction, const std::string& doing) {
-        if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
-      };
-      std::vector<floating::Recording> all = recordings_;
-      if (exercise_) all.insert(all.begin(), *exercise_);
-      const floating::Identified found = floating::identify(given_.machine, all, options);
-      const std::vector<floating::Recording> held_out;
-      std::string command = "furcula walk identify";
-      for (const floating::Recording& r : all) command += " " + core::shell_word(r.file);
-      command += " --model " + core::shell_word(o_.model) + " --out " + core::shell_word(in(folder(round)));
-      core::write_files_together(std::vector<core::NewFile>{
-          {identification_file(round), floating::to_json_text(found, nullptr, nullptr)},
-          {in(folder(round) + "/identification.html"),
-           floating::render_identification_report(
-               {given_.name, &found, &all, &held_out, nullptr, nullptr, options.window_s, command})},
-          {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
+    floating::IdentifyOptions options = o_.identify;
+    options.settings.threads = o_.threads;
+    if (round > 1) options.start = walk::read_model(model_file(round - 1)).machine;
+    options.progress = [&](double fraction, const std::string& doing) {
+      if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
+    };
+    std::vector<floating::Recording> all = recordings_;
+    if (exercise_) all.insert(all.begin(), *exercise_);
+    const floating::Identified found = floating::identify(given_.machine, all, options);
+    const std::vector<floating::Recording> held_out;
+    std::string command = "furcula walk identify";
+    for (const floating::Recording& r : all) command += " " + core::shell_word(r.file);
+    command += " --model " + core::shell_word(o_.model) + " --out " + core::shell_word(in(folder(round)));
+    core::write_files_together(std::vector<core::NewFile>{
+        {identification_file(round), floating::to_json_text(found, nullptr, nullptr)},
+        {in(folder(round) + "/identification.html"),
+         floating::render_identification_report(
+             {given_.name, &found, &all, &held_out, nullptr, nullptr, options.window_s, command})},
+        {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
   }
 
   /// The walk of a round with the recording of a repetition.
@@ -385,9 +385,8 @@ class Loop {
     const walk::Rollout& best = searched.found.rollout;
     if (best.ending != walk::Ending::stands) {
       result_.ended = "round " + std::to_string(round) + ": in " + std::to_string(*options.steps) +
-                      " steps the search found no walk that stands in simulation of " + model.file +
-                      " (" + simulated_in_words(best, model.limits) +
-                      "); expected more --steps, in another folder";
+                      " steps the search found no walk that stands in simulation of " + model.file + " (" +
+                      simulated_in_words(best, model.limits) + "); expected more --steps, in another folder";
       return;
     }
     const std::string to = in(folder(round + 1));
@@ -397,7 +396,8 @@ class Loop {
         "furcula walk search --model " + model.file + " --mode " +
             std::string(walk::kModeNames[static_cast<std::size_t>(mode())]) + " --seed " +
             std::to_string(options.seed) +
-            (options.ensemble.empty() ? "" : " --robust --deviations " + core::shortest(o_.ensemble.deviations)) +
+            (options.ensemble.empty() ? ""
+                                      : " --robust --deviations " + core::shortest(o_.ensemble.deviations)) +
             " --from " + from + " --steps " + std::to_string(*options.steps) + " --out " + to));
   }
 

@@ -26,7 +26,7 @@ namespace furcula::loop {
 
 /// What a round's model is identified by.
 enum class IdentifyBy : std::uint8_t {
-  windows,    ///< all numbers with priors, causes named (host/floating/identify.hpp)
+  windows,  ///< all numbers with priors, causes named (host/floating/identify.hpp)
   whole_run,  ///< document 000's way: an evolutionary search for the least Eq. 3 over whole walks (whole_run.hpp)
   none        ///< it is not: each walk is searched about the model as given
 };
@@ -40,10 +40,10 @@ inline constexpr double kWayShare = 0.5, kLeastWay_m = 0.1;
 struct LoopOptions {
   std::string model, walk, robot, out;
   unsigned rounds = 3, repetitions = 1;
-  std::optional<walk::WalkMode> mode;                      ///< of searches; without it the walk's
-  double exercise_s = 10.0;                                ///< on the stand, before the first walk; 0: none
-  std::uint64_t steps = 200'000'000;                       ///< of a search
-  walk::EnsembleOptions ensemble;    ///< other robots of a search, with a seed of each round's
+  std::optional<walk::WalkMode> mode;  ///< of searches; without it the walk's
+  double exercise_s = 10.0;            ///< on the stand, before the first walk; 0: none
+  std::uint64_t steps = 200'000'000;   ///< of a search
+  walk::EnsembleOptions ensemble;      ///< other robots of a search, with a seed of each round's
   IdentifyBy identify_by = IdentifyBy::windows;
   std::uint64_t seed = 1;  ///< of the first search; each later one has the next
   unsigned threads = 1;

@@ -87,9 +87,9 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
          {"walks", r.walks},
          {"training",
           r.given ? Json{{"given", errors(*r.given)}, {"identified", errors(*r.identified)}} : Json(nullptr)},
-         {"whole_run",
-          r.whole_run_rad ? Json{{"start_rad", r.whole_run_rad->first}, {"identified_rad", r.whole_run_rad->second}}
-                          : Json(nullptr)},
+         {"whole_run", r.whole_run_rad ? Json{{"start_rad", r.whole_run_rad->first},
+                                              {"identified_rad", r.whole_run_rad->second}}
+                                       : Json(nullptr)},
          {"causes", causes}});
   }
   Json triangle = Json::array();
@@ -147,13 +147,14 @@ Triangle triangle_in(const std::string& path) {
 
 std::string to_json_text(const WholeRunFit& found, const floating::WindowErrors& given,
                          const floating::WindowErrors& identified) {
-  const Json out = {{"schema", "furcula-walk-identification/1"},
-                    {"iterations", found.simulations},
-                    {"training", {{"given", errors(given)}, {"identified", errors(identified)}}},
-                    {"held_out", nullptr},
-                    {"whole_run", {{"start_rad", number(found.start_rad)}, {"identified_rad", number(found.error_rad)}}},
-                    {"causes", Json::array()},
-                    {"parameters", Json::array()}};
+  const Json out = {
+      {"schema", "furcula-walk-identification/1"},
+      {"iterations", found.simulations},
+      {"training", {{"given", errors(given)}, {"identified", errors(identified)}}},
+      {"held_out", nullptr},
+      {"whole_run", {{"start_rad", number(found.start_rad)}, {"identified_rad", number(found.error_rad)}}},
+      {"causes", Json::array()},
+      {"parameters", Json::array()}};
   return out.dump(2) + "\n";
 }
 

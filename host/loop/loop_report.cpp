@@ -178,10 +178,12 @@ std::string over_rounds(const LoopResult& result) {
 
 std::string round_html(const LoopResult& result, std::size_t r) {
   const Round& round = result.rounds[r - 1];
-  std::string out =
-      "<h3>Round " + std::to_string(r) + "</h3>\n<p>" + link(round.walk, "walk.toml") +
-      (r > 1 ? ", " + link(folder(r) + "report.html", "its search") : "") +
-      (round.identified && !round.whole_run_rad ? ", " + link(folder(r) + "identification.html", "identification") : "") + "</p>\n";
+  std::string out = "<h3>Round " + std::to_string(r) + "</h3>\n<p>" + link(round.walk, "walk.toml") +
+                    (r > 1 ? ", " + link(folder(r) + "report.html", "its search") : "") +
+                    (round.identified && !round.whole_run_rad
+                         ? ", " + link(folder(r) + "identification.html", "identification")
+                         : "") +
+                    "</p>\n";
   const walk::Rollout& s = round.simulated;
   out += report::paragraph("In simulation of the model " +
                            (r == 1 ? "as given" : "identified after round " + std::to_string(r - 1)) + ": " +

@@ -21,7 +21,8 @@ struct Cell {
 
 struct CellErrors {
   floating::WindowErrors windows;  ///< `predicted` is empty
-  double whole_run_rad = 0.0;      ///< Eq. 3 over the whole walk, the robot simulated with its controller (whole_run.hpp)
+  double whole_run_rad =
+      0.0;  ///< Eq. 3 over the whole walk, the robot simulated with its controller (whole_run.hpp)
 };
 
 /// The model as given on all trials, every other one on those of its fit and of the round after it.

@@ -15,26 +15,24 @@ namespace {
 using biped::kJoints;
 using floating::Machine;
 
-constexpr double kRow_s = 0.01;                                 // 100 Hz, as document 000 records
-constexpr std::size_t kNumbers = 2 * kJoints + 3;               // of a row
-constexpr double kMoved_rad = 1e-3;                             // a target that has left its place
+constexpr double kRow_s = 0.01;                    // 100 Hz, as document 000 records
+constexpr std::size_t kNumbers = 2 * kJoints + 3;  // of a row
+constexpr double kMoved_rad = 1e-3;                // a target that has left its place
 constexpr double kLongestStart_s = 0.5;
 
 using Numbers = std::array<double, kNumbers>;
 
 Numbers numbers_of(const floating::Row& row) {
   Numbers out{};
-  for (std::size_t i = 0; i < kJoints; ++i)
-    out[i] = row.angle_rad[i], out[kJoints + i] = row.target_rad[i];
+  for (std::size_t i = 0; i < kJoints; ++i) out[i] = row.angle_rad[i], out[kJoints + i] = row.target_rad[i];
   const walk::RollPitchYaw turn = walk::roll_pitch_yaw(row.attitude);
   out[2 * kJoints] = turn.roll_rad, out[2 * kJoints + 1] = turn.pitch_rad,
-             out[2 * kJoints + 2] = turn.yaw_rad;
+          out[2 * kJoints + 2] = turn.yaw_rad;
   return out;
 }
 Numbers numbers_of(const walk::TraceRow& row) {
   Numbers out{};
-  for (std::size_t i = 0; i < kJoints; ++i)
-    out[i] = row.angle_rad[i], out[kJoints + i] = row.target_rad[i];
+  for (std::size_t i = 0; i < kJoints; ++i) out[i] = row.angle_rad[i], out[kJoints + i] = row.target_rad[i];
   std::copy(row.turn_rad.begin(), row.turn_rad.end(), out.begin() + 2 * kJoints);
   return out;
 }
@@ -48,7 +46,8 @@ std::size_t beginning(const std::vector<Row>& rows) {
     return false;
   };
   const auto first = std::find_if(rows.begin(), rows.end(), moves);
-  return first == rows.begin() || first == rows.end() ? 0 : static_cast<std::size_t>(first - rows.begin()) - 1;
+  return first == rows.begin() || first == rows.end() ? 0
+                                                      : static_cast<std::size_t>(first - rows.begin()) - 1;
 }
 
 /// Difference of angles, within a half turn.
@@ -61,7 +60,8 @@ struct Squares {
 };
 Squares squares_of(const floating::Recording& recording, const walk::Trace& trace) {
   const std::size_t from = beginning(recording.rows), begin = beginning(trace.rows);
-  const double measured_yaw = numbers_of(recording.rows[from]).back(), yaw = numbers_of(trace.rows[begin]).back();
+  const double measured_yaw = numbers_of(recording.rows[from]).back(),
+               yaw = numbers_of(trace.rows[begin]).back();
   Squares out;
   for (std::size_t k = from; k < recording.rows.size(); ++k, ++out.rows) {
     const double at = (recording.rows[k].time_s - recording.rows[from].time_s) / kRow_s;
@@ -85,7 +85,8 @@ std::vector<Squares> squares_of(const walk::Model& model, const std::vector<Mach
   walk::RolloutOptions options = walk::rollout_of(model, run.walk.mode, run.walk.walk_until_s);
   const auto& rows = run.recording->rows;
   // A simulated walk, too, has a while before its first target moves.
-  options.time_s = std::min(options.time_s, rows.back().time_s - rows[beginning(rows)].time_s + kLongestStart_s);
+  options.time_s =
+      std::min(options.time_s, rows.back().time_s - rows[beginning(rows)].time_s + kLongestStart_s);
   std::vector<walk::Member> members;
   std::vector<walk::Job> jobs;
   for (const Machine& m : machines) {

@@ -520,8 +520,8 @@ class BatchedRollout {
   }
 
   std::shared_ptr<const std::vector<Robot>> robots_;
-  bool differ_ = false;  ///< robots do, or their sensors err
-  std::array<std::size_t, kRobots> member_{};             ///< of each lane
+  bool differ_ = false;                                    ///< robots do, or their sensors err
+  std::array<std::size_t, kRobots> member_{};              ///< of each lane
   std::array<std::optional<std::size_t>, kRobots> job_{};  ///< of each lane
   RolloutOptions o_;
   dynamics::biped::Parameters<T> plant_;

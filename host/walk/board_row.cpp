@@ -18,9 +18,9 @@ std::vector<std::string> board_columns() {
                                       "angle_cmd_" + name + "_rad", "torque_" + name + "_nm"})
       out.push_back(column);
   }
-  for (const char* column : {"gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "acc_x_mps2", "acc_y_mps2",
-                             "acc_z_mps2", "roll_rad", "pitch_rad", "yaw_rad", "contact_left_foot",
-                             "contact_right_foot"})
+  for (const char* column :
+       {"gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "acc_x_mps2", "acc_y_mps2", "acc_z_mps2", "roll_rad",
+        "pitch_rad", "yaw_rad", "contact_left_foot", "contact_right_foot"})
     out.emplace_back(column);
   return out;
 }

@@ -33,9 +33,7 @@ SensorOffsets sensors_of(const Machine& machine) {
   return {machine.encoder_offset_rad, machine.imu_turn_rad, machine.gyro_bias_radps};
 }
 
-Member member_of(const Machine& machine) {
-  return {machine.robot, sensors_of(machine), 0.0, {}};
-}
+Member member_of(const Machine& machine) { return {machine.robot, sensors_of(machine), 0.0, {}}; }
 
 std::vector<Member> drawn_robots(const Machine& machine, WalkMode mode, const EnsembleOptions& options) {
   const bool passive = mode == WalkMode::semi_passive;

@@ -34,8 +34,9 @@ auto taker(std::span<const Job> jobs, std::atomic<std::size_t>& next) {
 void run_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,
                const RolloutOptions& options, std::span<const Job> jobs, std::atomic<std::size_t>& next,
                std::span<Rollout> out) {
-  batch_of(robot, members, options)
-      .run(taker(jobs, next), [&](std::size_t number, const Rollout& r) { out[number] = r; });
+  batch_of(robot, members, options).run(taker(jobs, next), [&](std::size_t number, const Rollout& r) {
+    out[number] = r;
+  });
 }
 
 void trace_lanes(const dynamics::biped::Description& robot, std::span<const Member> members,

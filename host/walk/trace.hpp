@@ -10,7 +10,7 @@ namespace furcula::walk {
 
 struct TraceRow {
   std::array<float, dynamics::biped::kJoints> angle_rad{}, target_rad{};  ///< left then right
-  std::array<float, 3> turn_rad{};                                        ///< roll, pitch, yaw of the attitude filter
+  std::array<float, 3> turn_rad{};  ///< roll, pitch, yaw of the attitude filter
 };
 
 struct Trace {

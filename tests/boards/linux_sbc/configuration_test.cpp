@@ -225,7 +225,8 @@ std::string found_walk() {
 TEST_CASE("a walker's configuration has a bus a leg and the body's, and the walk that it names") {
   const Folder folder;
   std::ofstream(folder.path / "f.toml")
-      << kWalker << "[feet]\nthreshold_n = 45\n[loop]\npriority = 7\n[log]\nfolder = \"walks\"\nrate_hz = 250\n";
+      << kWalker
+      << "[feet]\nthreshold_n = 45\n[loop]\npriority = 7\n[log]\nfolder = \"walks\"\nrate_hz = 250\n";
   std::ofstream(folder.path / "walk.toml")
       << changed(found_walk(), "walk_until_s = 5.0", "walk_until_s = 4.0");
   const auto c = linux_sbc::read_configuration((folder.path / "f.toml").string());
@@ -270,8 +271,9 @@ TEST_CASE("what is wrong in a walker's configuration is one error that says wher
   CHECK_THAT(message_of(kWalker + "[feet]\nthreshold_n = 0\n"),
              Contains("feet.threshold_n = 0") && Contains("1 to 400"));
   CHECK_THAT(message_of(kWalker + "[log]\nrate_hz = 100\n"), Contains("[log] has no key 'folder'"));
-  CHECK_THAT(message_of(kWalker + "[log]\nfolder = \"w\"\nrate_hz = 300\n"),
-             Contains("f.toml:10: log.rate_hz = 300; expected 1000, the controller's rate, or a whole part of it"));
+  CHECK_THAT(
+      message_of(kWalker + "[log]\nfolder = \"w\"\nrate_hz = 300\n"),
+      Contains("f.toml:10: log.rate_hz = 300; expected 1000, the controller's rate, or a whole part of it"));
   CHECK_THAT(message_of("[can]\nleft = \"can0\"\n"), Contains("unknown key 'left'"));  // a hopper's
 }
 

@@ -20,10 +20,10 @@
 #include "boards/linux_sbc/loop.hpp"
 #include "boards/linux_sbc/walker_board.hpp"
 #include "furcula/dynamics/biped/design.hpp"
+#include "host/log/reader.hpp"
 #include "host/walk/walker_config.hpp"
 #include "host/walk/walker_devices.hpp"
 #include "host/walk/walker_faults.hpp"
-#include "host/log/reader.hpp"
 #include "tests/boards/linux_sbc/doubles.hpp"
 #include "tests/folder.hpp"
 #include "tests/host/walk/walks.hpp"
@@ -511,7 +511,8 @@ TEST_CASE("a robot whose devices do not all answer is in its fault after a secon
 TEST_CASE("furculad logs each walk from its first tick to its end, as a file that is whole") {
   const test::Folder folder;
   std::string said;
-  linux_sbc::WalkRecorder recorder(folder.file("") + "walks", 100, [&](const std::string& line) { said += line + "\n"; });
+  linux_sbc::WalkRecorder recorder(folder.file("") + "walks", 100,
+                                   [&](const std::string& line) { said += line + "\n"; });
   Robot robot(robot_of());
   robot.recorder = &recorder;
   robot.walk();
@@ -533,14 +534,16 @@ TEST_CASE("furculad logs each walk from its first tick to its end, as a file tha
   std::thread writer([&] { recorder.serve(); });
   recorder.stop();
   writer.join();
-  CHECK(said == folder.file("") + "walks/walk_1.csv has the walk\n" + folder.file("") + "walks/walk_2.csv has the walk\n");
+  CHECK(said == folder.file("") + "walks/walk_1.csv has the walk\n" + folder.file("") +
+                    "walks/walk_2.csv has the walk\n");
   CHECK_FALSE(std::filesystem::exists(folder.file("") + "walks/walk_1.csv.part"));
   const log::Log log = log::read_log(folder.file("") + "walks/walk_1.csv", "tree");
   const auto& time = log.columns.at("time_s");
   // `stop` is heard at the next of the host's frames, 10 ms apart.
   REQUIRE(time.size() >= 200);
   CHECK(time.size() <= 203);
-  for (std::size_t k = 0; k < time.size(); ++k) CHECK(time[k] == Approx(0.01 * static_cast<double>(k)).margin(1e-9));
+  for (std::size_t k = 0; k < time.size(); ++k)
+    CHECK(time[k] == Approx(0.01 * static_cast<double>(k)).margin(1e-9));
   for (std::size_t i = 0; i < control::kWalkerJoints; ++i) {
     const std::string name = walk::joint_name(i);
     CHECK(log.columns.at("angle_" + name + "_rad")[0] == Approx(first.joints[i].angle_rad));
@@ -552,7 +555,8 @@ TEST_CASE("furculad logs each walk from its first tick to its end, as a file tha
   CHECK(log.columns.size() == walk::kBoardColumns);
   CHECK(log::read_log(folder.file("") + "walks/walk_2.csv", "tree").columns.at("time_s").size() == 11);
   // The next furculad goes on with the next number.
-  linux_sbc::WalkRecorder next(folder.file("") + "walks", 1000, [&](const std::string& line) { said = line; });
+  linux_sbc::WalkRecorder next(folder.file("") + "walks", 1000,
+                               [&](const std::string& line) { said = line; });
   Robot third(robot_of());
   third.recorder = &next;
   third.walk();
@@ -566,7 +570,8 @@ TEST_CASE("furculad logs each walk from its first tick to its end, as a file tha
 TEST_CASE("a walk that cannot be written is said, and the robot goes on") {
   const test::Folder folder;
   std::string said;
-  linux_sbc::WalkRecorder recorder(folder.file("") + "walks", 100, [&](const std::string& line) { said += line + "\n"; });
+  linux_sbc::WalkRecorder recorder(folder.file("") + "walks", 100,
+                                   [&](const std::string& line) { said += line + "\n"; });
   std::filesystem::remove_all(folder.file("") + "walks");
   Robot robot(robot_of());
   robot.recorder = &recorder;
@@ -574,7 +579,9 @@ TEST_CASE("a walk that cannot be written is said, and the robot goes on") {
   robot.tick(200);
   recorder.stop();
   recorder.serve();
-  CHECK_THAT(said, Catch::Contains("walk_1.csv.part cannot be written: No such file or directory; this walk is not logged"));
+  CHECK_THAT(said,
+             Catch::Contains(
+                 "walk_1.csv.part cannot be written: No such file or directory; this walk is not logged"));
   CHECK(robot.node.outputs().stage == WalkerStage::walking);
   std::ofstream(folder.file("") + "file") << "no folder";
   CHECK_THROWS_WITH(linux_sbc::WalkRecorder(folder.file("") + "file", 100, [](const std::string&) {}),

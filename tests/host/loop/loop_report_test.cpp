@@ -73,9 +73,11 @@ TEST_CASE("a triangle is read from loop.json as it was written, however large") 
   CHECK(std::isnan(read.at({0, 1, 1}).windows.gyro_radps));
   CHECK(loop::triangle_in(folder.file("old.json", "{\"schema\": \"furcula-walk-loop/1\"}")).empty());
   // Of a file without errors over whole walks they are computed again.
-  CHECK(loop::triangle_in(folder.file("windows.json", R"({"schema": "furcula-walk-loop/1", "triangle": [{"model": 0, "round": 1,
+  CHECK(
+      loop::triangle_in(folder.file("windows.json",
+                                    R"({"schema": "furcula-walk-loop/1", "triangle": [{"model": 0, "round": 1,
           "repetition": 1, "windows": 3, "rms_angle_rad": 1, "rms_attitude_rad": 1, "rms_gyro_radps": 1}]})"))
-            .empty());
+          .empty());
   CHECK_THAT(test::error_message([&] { loop::triangle_in(folder.file("not.json", "{")); }),
              Contains("not.json: no JSON") && Contains("expected a loop.json of furcula walk loop"));
 }

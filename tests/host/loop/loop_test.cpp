@@ -254,6 +254,51 @@ TEST_CASE("a robot's model has less error on its walk than a model without its f
     CHECK(own[key].get<double>() < 0.6 * other[key].get<double>());
 }
 
+TEST_CASE(
+    "a loop by whole walks has Eq. 3 in place of causes, and one without identification searches about the model as given") {
+  Bench bench;
+  bench.options.identify_by = loop::IdentifyBy::whole_run;
+  bench.options.steps = 60'000;
+  bench.options.robot = bench.robot(kModel, 250);
+  const loop::LoopResult r = bench.run();
+  REQUIRE(r.rounds.size() == 2);
+  REQUIRE(r.rounds[0].whole_run_rad);
+  CHECK(r.rounds[0].whole_run_rad->second <= r.rounds[0].whole_run_rad->first);
+  CHECK(r.rounds[0].causes.empty());
+  CHECK_THAT(bench.said, Contains("round 1: model error (Eq. 3) over whole walks: "));
+  const auto j = test::json_of(bench.in("loop.json"));
+  CHECK(j["settings"]["identify"] == "whole_run");
+  CHECK(j["rounds"][0]["whole_run"]["start_rad"].get<double>() == r.rounds[0].whole_run_rad->first);
+  // The model as given on its own walk, and what was fitted to it: the first two of the triangle.
+  CHECK(j["triangle"][0]["whole_run_rad"].get<double>() == Approx(r.rounds[0].whole_run_rad->first));
+  for (const auto& cell : j["triangle"])
+    if (cell["model"] == 1 && cell["round"] == 1)
+      CHECK(cell["whole_run_rad"].get<double>() == Approx(r.rounds[0].whole_run_rad->second).epsilon(1e-3));
+  CHECK(bench.has("round_1/identified_model.toml"));
+  CHECK_FALSE(bench.has("round_1/identification.html"));
+  const std::string page = test::text_of(bench.in("report.html"));
+  CHECK(page.find("identification.html") == std::string::npos);
+  CHECK_THAT(page, Contains("Identified by a search over whole walks"));
+  // It goes on with what is there.
+  const std::size_t trials = bench.trials();
+  CHECK(bench.run().rounds[0].whole_run_rad == r.rounds[0].whole_run_rad);
+  CHECK(bench.trials() == trials);
+
+  Bench none;
+  none.options.identify_by = loop::IdentifyBy::none;
+  none.options.ensemble.robots = 0;
+  none.options.robot = none.robot(kModel, 250);
+  const loop::LoopResult again = none.run();
+  CHECK(again.rounds.size() == 2);
+  CHECK_FALSE(again.rounds[0].identified);
+  CHECK_FALSE(none.has("round_1/identified_model.toml"));
+  CHECK(none.has("round_2/walk.toml"));
+  for (const auto& [cell, errors] : again.triangle) CHECK(cell.model == 0);
+  CHECK_THAT(test::text_of(none.in("round_2/report.html")), !Contains("--robust"));
+  none.options.identify_by = loop::IdentifyBy::whole_run;
+  CHECK_THAT(none.error(), Contains("identify 'none', expected 'whole_run'"));
+}
+
 TEST_CASE("what a loop cannot use is said before anything is tried") {
   Bench bench;
   bench.options.robot = "walk {walk}";
@@ -286,6 +331,9 @@ TEST_CASE(
   CHECK_THAT(ran({"--robot", "manual", "--steps", "0"}).err, Contains("--steps 0"));
   CHECK_THAT(ran({"--robot", "manual", "--exercise-s", "-1"}).err,
              Contains("--exercise-s -1: expected 0, or from 4 to 500"));
+  CHECK_THAT(ran({"--robot", "manual", "--robots", "-1"}).err,
+             Contains("--robots -1: expected from 0 to 1000"));
+  CHECK_THAT(ran({"--robot", "manual", "--identify", "guess"}).err, Contains("--identify"));
   CHECK_THAT(ran({"--robot", "manual", "--deviations", "nan"}).err,
              Contains("--deviations nan: expected from 0 to 2"));
   const test::Ran failed = ran({"--robot", "false {walk} {log}"});

@@ -21,11 +21,13 @@ const walk::Model& model() {
 }
 
 /// What that robot measures of a walk in its first two seconds, after so many rows in which it waits.
-floating::Recording recording_of(const floating::Machine& machine, const walk::Walk& walk, std::size_t waits) {
+floating::Recording recording_of(const floating::Machine& machine, const walk::Walk& walk,
+                                 std::size_t waits) {
   walk::RolloutOptions options = walk::rollout_of(model(), walk.mode, walk.walk_until_s);
   options.time_s = 2.0;
   const walk::Trace trace =
-      walk::traces(model().robot, {walk::member_of(machine)}, options, {{walk.parameters, 0}}, kRow_s, 1).front();
+      walk::traces(model().robot, {walk::member_of(machine)}, options, {{walk.parameters, 0}}, kRow_s, 1)
+          .front();
   floating::Recording out;
   const auto put = [&](const walk::TraceRow& row) {
     floating::Row& r = out.rows.emplace_back();
@@ -45,7 +47,8 @@ double error_rad(const floating::Recording& recording, const walk::Walk& walk) {
 
 }  // namespace
 
-TEST_CASE("Eq. 3 of a robot on its own walk is zero, and what is added to one of its 27 numbers is the root of a 27th") {
+TEST_CASE(
+    "Eq. 3 of a robot on its own walk is zero, and what is added to one of its 27 numbers is the root of a 27th") {
   const walk::Walk walk = test::found_walk();
   floating::Recording recording = recording_of(model().machine, walk, 0);
   CHECK(error_rad(recording, walk) < 1e-6);
@@ -76,7 +79,8 @@ TEST_CASE("Eq. 3 of a robot on its own walk is zero, and what is added to one of
   }
 }
 
-TEST_CASE("a search over whole walks lessens Eq. 3, within the ranges, and the same on any number of threads") {
+TEST_CASE(
+    "a search over whole walks lessens Eq. 3, within the ranges, and the same on any number of threads") {
   const walk::Walk walk = test::found_walk();
   floating::Machine truth = model().machine;
   truth.encoder_offset_rad[dynamics::biped::kKnee] = 0.006;

@@ -160,7 +160,8 @@ TEST_CASE("a turned and biased IMU gives what it measures in its own axes") {
   CHECK(seen);
 }
 
-TEST_CASE("a robot without an ensemble has the sensors that its options say, and its controller knows the robot that they say") {
+TEST_CASE(
+    "a robot without an ensemble has the sensors that its options say, and its controller knows the robot that they say") {
   const auto design = dynamics::biped::design();
   auto robot = design;
   robot.pelvis.mass_kg += 2.0;
