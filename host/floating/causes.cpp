@@ -468,10 +468,12 @@ Named settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns,
     evidences.go_to(tables);
     Named here = tables;
     const double now = evidences.settle(here);
-    if (!(now > most)) break;
+    if (!(now > most)) {
+      evidences.go_to(best);
+      break;
+    }
     most = now, best = std::exchange(tables, std::move(here));
   }
-  if (best.theta != tables.theta) evidences.go_to(best);
   evidences.settle(best);
   return best;
 }

@@ -245,6 +245,7 @@ class Loop {
     for (const NamedCause& c : r.causes)
       say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
                      ", confidence " + core::rounded(c.confidence, 2));
+    if (r.all_numbers_deviate) say(round, "the numbers of document 000's tables deviate all together");
     if (r.whole_run_rad)
       say(round, "model error (Eq. 3) over whole walks: " + core::rounded(1e3 * r.whole_run_rad->first, 3) +
                      " to " + core::rounded(1e3 * r.whole_run_rad->second, 3) + " mrad");

@@ -74,6 +74,7 @@ struct Round {
   /// Of the model as given and as identified from all trials so far.
   std::optional<floating::WindowErrors> given, identified;
   std::vector<NamedCause> causes;
+  bool all_numbers_deviate = false;  ///< as of floating::Causes
   /// Eq. 3 over all trials so far, before and after a search over whole walks, rad.
   std::optional<std::pair<double, double>> whole_run_rad;
 };

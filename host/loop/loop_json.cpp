@@ -90,7 +90,8 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
          {"whole_run", r.whole_run_rad ? Json{{"start_rad", r.whole_run_rad->first},
                                               {"identified_rad", r.whole_run_rad->second}}
                                        : Json(nullptr)},
-         {"causes", causes}});
+         {"causes", causes},
+         {"all_numbers_deviate", r.all_numbers_deviate}});
   }
   Json triangle = Json::array();
   for (const auto& [cell, e] : result.triangle) {
@@ -166,6 +167,7 @@ void read_identification(const std::string& path, Round& round) {
     round.identified = errors_in(j.at("training").at("identified"));
     if (j.contains("whole_run"))
       round.whole_run_rad = {j.at("whole_run").at("start_rad"), j.at("whole_run").at("identified_rad")};
+    round.all_numbers_deviate = j.value("all_numbers_deviate", false);
     for (const Json& c : j.at("causes"))
       round.causes.push_back({c.at("name"),
                               c.at("unit").is_null() ? std::string() : std::string(c.at("unit")),

@@ -206,9 +206,14 @@ std::string round_html(const LoopResult& result, std::size_t r) {
     return out + report::paragraph("Identified by a search over whole walks: Eq. 3 over all trials so far " +
                                    number(1e3 * round.whole_run_rad->first, 3) + " to " +
                                    number(1e3 * round.whole_run_rad->second, 3) + " mrad.");
+  if (round.all_numbers_deviate)
+    out += report::paragraph(
+        "The numbers of document 000's tables deviate all together, none by itself. Causes are laws beyond them.");
   if (round.causes.empty())
     return out + report::paragraph(
-                     "Causes: none; no number is likelier to differ from the model as given than not.");
+                     round.all_numbers_deviate
+                         ? "Causes: none beyond the tables."
+                         : "Causes: none; no number is likelier to differ from the model as given than not.");
   report::Table causes({{"Cause"}, {"Deviation, about", true}, {"Confidence", true}});
   for (const NamedCause& c : round.causes)
     causes.add({escape(c.name), number(c.deviation, 2) + " " + escape(c.unit), number(c.confidence, 2)},

@@ -112,7 +112,8 @@ TEST_CASE("the page of a loop has each model and each trial once, with their mar
   CHECK_THAT(section(page, "answer"), Contains("132 <span") && Contains("332&#8239;<small>mrad"));
   CHECK_THAT(rounds, Contains("coulomb_friction@left_knee") && Contains("6.3 N m") &&
                          Contains("falls after 2.60 s") && Contains("cost of transport 1.75") &&
-                         Contains("cost of transport 3.75") && Contains("Causes: none"));
+                         Contains("cost of transport 3.75") && Contains("Causes: none beyond the tables"));
+  CHECK(count(rounds, "deviate all together") == 1);
   CHECK_THAT(page, Contains("The robot walks with the walk of round 3."));
   CHECK(count(page, "<svg") == 2);
   CHECK(count(page, "<b>") == 0);

@@ -42,6 +42,7 @@ inline loop::LoopResult sample_loop() {
     }
     r.walks = round == 3;
     if (round < 3) r.given = r.identified = floating::WindowErrors{};
+    r.all_numbers_deviate = round == 2;
     if (round == 1) r.causes = {{"coulomb_friction@left_knee", "N m", 6.28, 0.875}};
     out.rounds.push_back(r);
   }
