@@ -57,7 +57,7 @@ TEST_CASE("the triangle of a loop marks training and trials that stood, and link
     CHECK(seen["bold"] == 0);
     CHECK(seen["page_width"] <= width);
     CHECK(seen["sections"] == nlohmann::json{"answer", "triangle", "over-rounds", "rounds"});
-    CHECK(seen["tables"] == 4);
+    CHECK(seen["tables"] == 5);
     CHECK(seen["models"] ==
           nlohmann::json{"As given", "Identified after round 1", "Identified after round 2"});
     CHECK(seen["trials"] == nlohmann::json{"Round 1, trial 1", "Round 1, trial 2", "Round 2, trial 1",
