@@ -35,8 +35,9 @@ floating::Identified diagnosed(robot::Cause cause, std::uint64_t seed, std::uint
   return floating::identify(model.machine, recordings, of_causes);
 }
 
-/// From an exercise on the stand, of a robot at so many times the ranges of document 000's tables.
-floating::Identified exercised(robot::Cause cause, std::uint64_t seed, double scale = 0.0) {
+/// From an exercise on the stand, and perhaps a walk, of a robot at so many times the ranges of document 000's tables.
+floating::Identified exercised(robot::Cause cause, std::uint64_t seed, double scale = 0.0,
+                               bool walks = false) {
   const walk::Model model = walk::read_model(test::source("models/biped/biped.toml"));
   walk::Walk walk = walk::read_walk(test::source("models/biped/robust_walk.toml"));
   walk.exercise_s = 10.0;
@@ -44,15 +45,20 @@ floating::Identified exercised(robot::Cause cause, std::uint64_t seed, double sc
   robot::plant(robot::drawn_cause(cause, seed), truth);
   robot::TrialOptions options;
   options.seed = seed;
-  log::Log log = robot::try_walk(truth, model.robot, walk, options).log;
-  log.path = "exercise.csv";
+  const auto recorded = [&](const char* file) {
+    log::Log log = robot::try_walk(truth, model.robot, walk, options).log;
+    log.path = file;
+    return floating::recording_of(log);
+  };
+  std::vector<floating::Recording> recordings{recorded("exercise.csv")};
+  CHECK(recordings[0].held);
+  walk.exercise_s = 0.0;
+  if (walks) recordings.push_back(recorded("walk.csv"));
   floating::IdentifyOptions of_causes;
   if (scale == 0.0)
     of_causes.iterations = 0;  // a fit of all numbers is where those that deviate all together begin
   of_causes.settings.threads = 1;
-  const floating::Recording recording = floating::recording_of(log);
-  CHECK(recording.held);
-  return floating::identify(model.machine, {recording}, of_causes);
+  return floating::identify(model.machine, recordings, of_causes);
 }
 
 std::string name_of(const floating::Identified& found, std::size_t cause) {
@@ -107,16 +113,24 @@ TEST_CASE(
 }
 
 TEST_CASE("Of a robot whose numbers all deviate only the law beyond the tables has a name", "[slow]") {
-  constexpr std::uint64_t kRubs = 206, kNothing = 205;
-  const floating::Identified found = exercised(robot::Cause::coulomb, kRubs, 1.0);
+  // It falls soon.
+  constexpr std::uint64_t kLate = 204, kNothing = 205;
+  const floating::Identified found = exercised(robot::Cause::delay, kLate, 1.0, true);
   CHECK(found.all_numbers_deviate);
-  REQUIRE(found.causes.size() == 1);
-  CHECK(name_of(found, 0) == "coulomb_friction@left_ankle_roll");
-  CHECK(found.causes[0].confidence > 0.9);
-  CHECK(size_of(found, 0) == Approx(robot::drawn_cause(robot::Cause::coulomb, kRubs).size).epsilon(0.3));
+  REQUIRE(!found.causes.empty());
+  CHECK(name_of(found, 0) == "command_delay@drives");
+  CHECK(found.causes[0].confidence > 0.5);
+  CHECK(size_of(found, 0) == Approx(robot::drawn_cause(robot::Cause::delay, kLate).size).epsilon(0.1));
+  for (std::size_t k = 1; k < found.causes.size(); ++k) {
+    INFO(name_of(found, k) << " " << size_of(found, k));
+    CHECK(found.causes[k].confidence < 0.5);
+  }
   const floating::Identified clean = exercised(robot::Cause::none, kNothing, 1.0);
   CHECK(clean.all_numbers_deviate);
-  CHECK(clean.causes.empty());
+  for (std::size_t k = 0; k < clean.causes.size(); ++k) {
+    INFO(name_of(clean, k) << " " << size_of(clean, k));
+    CHECK(clean.causes[k].confidence < 0.5);
+  }
 }
 
 TEST_CASE("Viscous friction is told from a weak gain by windows about each; a drive's damping fits as well",
