@@ -13,8 +13,9 @@ namespace furcula::floating {
 namespace {
 
 constexpr std::size_t kRivals = 24, kFitted = 4;
+constexpr std::size_t kMostCauses = 6;
 /// Of one that is expected, four or more have a probability of 2 %: then all numbers of the tables may deviate, each a little.
-constexpr std::size_t kMostCauses = 4;
+constexpr std::size_t kMany = 4;
 constexpr double kAsLikely = 3.0;  // odds of 20
 constexpr double kLittle = 0.05;   // of a prior's deviation: two simulators of one robot differ by as much
 constexpr double kTick_s =
@@ -270,7 +271,12 @@ class Evidences {
     refit_locals(recordings_, windows_, first_variances(), point, settings_);
     linear_ = linearised(recordings_, windows_, first_variances(), unknowns_, point, settings_);
     locals_ = point.locals;
-    estimate_variances(point.theta);
+    Eigen::VectorXd without_names = Eigen::VectorXd::Zero(point.theta.size());
+    for (std::size_t k = 0; k < named.free; ++k) {
+      const auto i = static_cast<Eigen::Index>(named.unknowns[k]);
+      without_names[i] = point.theta[i];
+    }
+    estimate_variances(without_names);
   }
 
   /// Where the windows' linear model has these numbers, and the logarithm of the posterior there, each window with its own ground.
@@ -311,7 +317,8 @@ class Evidences {
     return out;
   }
 
-  /// About `theta`: what the windows leave there is what disturbs them.
+  /// About `theta`: what the windows leave there is what disturbs them. It holds what was named, so that what is found beside it stands out of
+  /// more than noise.
   void estimate_variances(const Eigen::VectorXd& theta) {
     for (LinearWindow& l : linear_) l.y -= l.a * theta;
     variances_ = estimated(linear_, first_variances(), settings_.threads);
@@ -409,15 +416,19 @@ Ranking ranked(const Evidences& evidences, const std::vector<Candidate>& all,
 
 /// Causes that are found about what is named already, and how likely all is with them.
 struct Found {
+  std::vector<Candidate> all;  ///< candidates that are left
+  Named named;
   std::vector<Cause> causes;
+  std::vector<Candidate> of_named{};
   double log_posterior = 0.0;
 };
 
-Found found_of(Evidences& evidences, std::vector<Candidate> all, Named named) {
-  const double prior = std::log(static_cast<double>(all.size()));
-  Found out;
-  std::vector<Candidate> of_named;
-  while (out.causes.size() < kMostCauses) {
+/// Goes on until so many are found, or no more.
+void find(Evidences& evidences, std::size_t most, Found& out) {
+  const double prior = std::log(static_cast<double>(out.all.size() + out.causes.size()));
+  std::vector<Candidate>& all = out.all;
+  Named& named = out.named;
+  while (out.causes.size() < most) {
     const std::vector<RandomEffect> effects = evidences(all, named);
     const std::vector<std::size_t> rivals = rivals_of(effects, prior);
     if (rivals.empty()) break;
@@ -438,18 +449,18 @@ Found found_of(Evidences& evidences, std::vector<Candidate> all, Named named) {
     cause.confidence = 1.0 / (1.0 + odds);
     out.causes.push_back(std::move(cause));
     named = std::move(ranking.named);
-    of_named.push_back(all[best]);
+    out.of_named.push_back(all[best]);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
     // What windows say of each about where all are.
     evidences.go_to(named);
     for (std::size_t k = 0; k < out.causes.size(); ++k) {
-      const RandomEffect now = evidences({of_named[k]}, named.without(k)).front();
+      const RandomEffect now = evidences({out.of_named[k]}, named.without(k)).front();
       Cause& c = out.causes[k];
       c.theta = now.theta, c.sd = now.sd, c.spread = named.spreads[named.free + k] = now.spread;
     }
   }
-  out.log_posterior = evidences.settle(named) - prior * static_cast<double>(out.causes.size());
-  return out;
+  Named settled = named;
+  out.log_posterior = evidences.settle(settled) - prior * static_cast<double>(out.causes.size());
 }
 
 /// All numbers of the tables, none of which has a name: from where `theta` has them to where they are likeliest with the others as in the model.
@@ -485,14 +496,18 @@ Causes causes(const Machine& model, const std::vector<Unknown>& unknowns,
               std::vector<LinearWindow> linear, const std::vector<Local>& locals,
               const Eigen::VectorXd& fitted, const Settings& settings) {
   Evidences evidences(model, unknowns, recordings, windows, std::move(linear), locals, settings);
-  std::vector<Candidate> all = candidates(model, unknowns);
-  Found few = found_of(evidences, all, {});
-  if (few.causes.size() < kMostCauses) return {std::move(few.causes), false};
-  const Named tables = settled_tables(evidences, unknowns, fitted);
-  std::erase_if(all, [&](const Candidate& c) { return unknowns[c.unknown].of_tables; });
-  Found beyond = found_of(evidences, all, tables);
-  if (!(beyond.log_posterior > few.log_posterior)) return {std::move(few.causes), false};
-  return {std::move(beyond.causes), true};
+  Found few{candidates(model, unknowns), {}, {}};
+  find(evidences, kMany, few);
+  if (few.causes.size() < kMany) return {std::move(few.causes), false};
+  {
+    Evidences about_tables = evidences;
+    Found beyond{candidates(model, unknowns), settled_tables(about_tables, unknowns, fitted), {}};
+    std::erase_if(beyond.all, [&](const Candidate& c) { return unknowns[c.unknown].of_tables; });
+    find(about_tables, kMostCauses, beyond);
+    if (beyond.log_posterior > few.log_posterior) return {std::move(beyond.causes), true};
+  }
+  find(evidences, kMostCauses, few);
+  return {std::move(few.causes), false};
 }
 
 }  // namespace furcula::floating
