@@ -271,12 +271,7 @@ class Evidences {
     refit_locals(recordings_, windows_, first_variances(), point, settings_);
     linear_ = linearised(recordings_, windows_, first_variances(), unknowns_, point, settings_);
     locals_ = point.locals;
-    Eigen::VectorXd without_names = Eigen::VectorXd::Zero(point.theta.size());
-    for (std::size_t k = 0; k < named.free; ++k) {
-      const auto i = static_cast<Eigen::Index>(named.unknowns[k]);
-      without_names[i] = point.theta[i];
-    }
-    estimate_variances(without_names);
+    estimate_variances(point.theta);
   }
 
   /// Where the windows' linear model has these numbers, and the logarithm of the posterior there, each window with its own ground.
@@ -317,8 +312,7 @@ class Evidences {
     return out;
   }
 
-  /// About `theta`: what the windows leave there is what disturbs them. It holds what was named, so that what is found beside it stands out of
-  /// more than noise.
+  /// About `theta`: what the windows leave there is what disturbs them.
   void estimate_variances(const Eigen::VectorXd& theta) {
     for (LinearWindow& l : linear_) l.y -= l.a * theta;
     variances_ = estimated(linear_, first_variances(), settings_.threads);
