@@ -76,28 +76,17 @@ struct Gram {
 
   Gram() = default;
   Gram(const LinearWindow& l, const Variances& v) {
-    Eigen::VectorXd inverse_sd(l.y.size());
-    for (Eigen::Index k = 0; k < l.y.size(); ++k) {
-      const double variance = v.noise[noise_of(static_cast<std::size_t>(k) % kRowSize)];
-      inverse_sd[k] = 1.0 / std::sqrt(variance);
-      log_determinant += std::log(variance);
-    }
-    Eigen::MatrixXd c = inverse_sd.asDiagonal() * l.c;
-    for (Eigen::Index k = 0; k < c.cols(); ++k)
-      c.col(k) *= std::sqrt(v.local[group_of(l.locals[static_cast<std::size_t>(k)])]);
-    Eigen::MatrixXd m = Eigen::MatrixXd::Identity(c.cols(), c.cols());
-    m.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
-    const Eigen::LLT<Eigen::MatrixXd> solver(m);
+    const Marginal s = scaled(l, v);
     Eigen::MatrixXd a(l.y.size(), l.a.cols() + 1);
-    a.leftCols(l.a.cols()) = inverse_sd.asDiagonal() * l.a;
-    a.rightCols(1) = inverse_sd.cwiseProduct(l.y);
-    const Eigen::MatrixXd ca = solver.matrixL().solve(c.transpose() * a);
+    a << s.row_sd.cwiseInverse().asDiagonal() * l.a, l.y.cwiseQuotient(s.row_sd);
+    const Eigen::MatrixXd ca = s.m.matrixL().solve(s.c.transpose() * a);
     all = Eigen::MatrixXd::Zero(a.cols(), a.cols());
     all.selfadjointView<Eigen::Lower>().rankUpdate(a.transpose());
     all.selfadjointView<Eigen::Lower>().rankUpdate(ca.transpose(), -1.0);
     all.triangularView<Eigen::StrictlyUpper>() = all.transpose();
     rows = static_cast<double>(l.y.size());
-    log_determinant += 2.0 * Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum();
+    log_determinant =
+        2.0 * (s.row_sd.array().log().sum() + Eigen::MatrixXd(s.m.matrixL()).diagonal().array().log().sum());
   }
 
   /// The window has its own value of that column, with such a standard deviation.

@@ -6,7 +6,6 @@
 #include "host/core/parallel.hpp"
 
 namespace furcula::floating {
-namespace {
 
 Marginal scaled(const LinearWindow& w, const Variances& v) {
   Marginal s;
@@ -22,6 +21,8 @@ Marginal scaled(const LinearWindow& w, const Variances& v) {
   s.m.compute(m);
   return s;
 }
+
+namespace {
 
 /// One window's own unknowns, by Levenberg and Marquardt's method. Derivatives cost some fifty times what a step along them does, so they are kept as
 /// long as steps gain.

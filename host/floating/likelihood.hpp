@@ -22,6 +22,8 @@ struct Marginal {
   Eigen::LLT<Eigen::MatrixXd> m;     ///< 1 + c' c
   Eigen::MatrixXd information, ca;   ///< of theta, the lower half; L^-1 c' a, where L L' is m
 };
+/// Of one window, but for `information` and `ca`.
+Marginal scaled(const LinearWindow& window, const Variances& variances);
 std::vector<Marginal> marginals(const std::vector<LinearWindow>& windows, const Variances& variances,
                                 unsigned threads);
 

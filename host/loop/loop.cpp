@@ -304,7 +304,7 @@ class Loop {
     windows.settings.threads = o_.threads;
     core::write_files_together(std::vector<core::NewFile>{
         {identification_file(round),
-         to_json_text(found, floating::window_errors(given_.machine, recordings_, windows),
+         to_json_text(found, given_.machine, floating::window_errors(given_.machine, recordings_, windows),
                       floating::window_errors(found.machine, recordings_, windows))},
         {model_file(round), walk::format_model(given_, found.machine, in(folder(round)))}});
   }

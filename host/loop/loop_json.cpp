@@ -146,16 +146,20 @@ Triangle triangle_in(const std::string& path) {
   return out;
 }
 
-std::string to_json_text(const WholeRunFit& found, const floating::WindowErrors& given,
-                         const floating::WindowErrors& identified) {
-  const Json out = {
-      {"schema", "furcula-walk-identification/1"},
-      {"iterations", found.simulations},
-      {"training", {{"given", errors(given)}, {"identified", errors(identified)}}},
-      {"held_out", nullptr},
-      {"whole_run", {{"start_rad", number(found.start_rad)}, {"identified_rad", number(found.error_rad)}}},
-      {"causes", Json::array()},
-      {"parameters", Json::array()}};
+std::string to_json_text(const WholeRunFit& found, const floating::Machine& given,
+                         const floating::WindowErrors& before, const floating::WindowErrors& after) {
+  floating::Identified all;
+  all.unknowns = found.unknowns;
+  all.sd = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(found.unknowns.size()),
+                                     std::numeric_limits<double>::quiet_NaN());
+  all.given = given;
+  all.machine = found.machine;
+  all.before = before;
+  all.after = after;
+  Json out = Json::parse(floating::to_json_text(all, nullptr, nullptr));
+  out["whole_run"] = {{"start_rad", number(found.start_rad)},
+                      {"identified_rad", number(found.error_rad)},
+                      {"simulations", found.simulations}};
   return out.dump(2) + "\n";
 }
 
@@ -166,7 +170,8 @@ void read_identification(const std::string& path, Round& round) {
     round.given = errors_in(j.at("training").at("given"));
     round.identified = errors_in(j.at("training").at("identified"));
     if (j.contains("whole_run"))
-      round.whole_run_rad = {j.at("whole_run").at("start_rad"), j.at("whole_run").at("identified_rad")};
+      round.whole_run_rad = {number_in(j.at("whole_run").at("start_rad")),
+                             number_in(j.at("whole_run").at("identified_rad"))};
     round.all_numbers_deviate = j.value("all_numbers_deviate", false);
     for (const Json& c : j.at("causes"))
       round.causes.push_back({c.at("name"),

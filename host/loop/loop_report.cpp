@@ -229,6 +229,12 @@ std::string command_of(const LoopOptions& o) {
          (o.identify_by != IdentifyBy::windows
               ? " --identify " + std::string(kIdentifyByNames[static_cast<std::size_t>(o.identify_by)])
               : "") +
+         (o.ensemble.robots != walk::EnsembleOptions{}.robots
+              ? " --robots " + std::to_string(o.ensemble.robots)
+              : "") +
+         (o.ensemble.deviations != walk::EnsembleOptions{}.deviations
+              ? " --deviations " + core::shortest(o.ensemble.deviations)
+              : "") +
          (o.mode ? " --mode " + std::string(walk::kModeNames[static_cast<std::size_t>(*o.mode)]) : "") +
          " --seed " + std::to_string(o.seed) + " --out " + core::shell_word(o.out);
 }

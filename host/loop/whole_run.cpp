@@ -112,6 +112,7 @@ class Space {
                                 std::any_of(runs.begin(), runs.end(), sprung));
     std::erase_if(unknowns_, [](const biped::Unknown& u) { return !u.of_tables; });
   }
+  const std::vector<biped::Unknown>& unknowns() const { return unknowns_; }
   Eigen::Index size() const { return static_cast<Eigen::Index>(unknowns_.size()); }
   Eigen::VectorXd at(const Machine& m) const {
     Eigen::VectorXd x(size());
@@ -162,6 +163,7 @@ WholeRunFit fit_whole_runs(const walk::Model& model, const std::vector<WholeRun>
                            const WholeRunOptions& options) {
   const Space space(model.machine, runs);
   WholeRunFit out;
+  out.unknowns = space.unknowns();
   std::uint64_t steps = 0;
   const auto errors = [&](const std::vector<Machine>& machines) {
     std::vector<Squares> sums(machines.size());
@@ -172,6 +174,8 @@ WholeRunFit fit_whole_runs(const walk::Model& model, const std::vector<WholeRun>
     }
     std::vector<double> all;
     for (const Squares& s : sums) all.push_back(root_mean(s));
+    for (double& e : all)
+      if (!std::isfinite(e)) e = std::numeric_limits<double>::infinity();
     return all;
   };
   // Points are from the start on.
@@ -180,6 +184,7 @@ WholeRunFit fit_whole_runs(const walk::Model& model, const std::vector<WholeRun>
   const auto method = walk::make_method(options.method, -half - start, half - start, options.seed);
   Eigen::VectorXd best = Eigen::VectorXd::Zero(space.size());
   out.start_rad = out.error_rad = errors({space.machine(start)}).front();
+  const double scale_rad = std::isfinite(out.start_rad) && out.start_rad > 0.0 ? out.start_rad : 1.0;
   while (steps < options.steps) {
     if (options.progress)
       options.progress(static_cast<double>(steps) / static_cast<double>(options.steps),
@@ -189,13 +194,12 @@ WholeRunFit fit_whole_runs(const walk::Model& model, const std::vector<WholeRun>
     for (const Eigen::VectorXd& x : points) machines.push_back(space.machine(start + x));
     std::vector<double> values = errors(machines);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      if (!std::isfinite(values[k])) values[k] = std::numeric_limits<double>::infinity();
       if (values[k] < out.error_rad) {
         out.error_rad = values[k];
         best = (start + points[k]).cwiseMax(-half).cwiseMin(half) - start;
       }
       // The methods have thresholds for values about 1.
-      values[k] = values[k] / out.start_rad + space.outside(start + points[k]);
+      values[k] = values[k] / scale_rad + space.outside(start + points[k]);
     }
     method->tell(values, best);
   }

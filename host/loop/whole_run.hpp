@@ -36,6 +36,7 @@ struct WholeRunOptions {
 };
 
 struct WholeRunFit {
+  std::vector<biped::Unknown> unknowns;  ///< that were sought
   floating::Machine machine;
   double start_rad = 0.0, error_rad = 0.0;  ///< Eq. 3 over all runs, of the start and of the result
   std::uint64_t simulations = 0;            ///< of a run each
@@ -46,8 +47,8 @@ struct WholeRunFit {
 WholeRunFit fit_whole_runs(const walk::Model& model, const std::vector<WholeRun>& runs,
                            const WholeRunOptions& options);
 
-/// identification.json without posterior and causes (docs/biped.md); windows' errors of the model as given and of the result.
-std::string to_json_text(const WholeRunFit& found, const floating::WindowErrors& given,
-                         const floating::WindowErrors& identified);
+/// identification.json without posterior and causes, and with Eq. 3 (docs/biped.md); windows' errors of the model as given and of the result.
+std::string to_json_text(const WholeRunFit& found, const floating::Machine& given,
+                         const floating::WindowErrors& before, const floating::WindowErrors& after);
 
 }  // namespace furcula::loop

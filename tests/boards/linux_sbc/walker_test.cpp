@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -526,12 +527,16 @@ TEST_CASE("furculad logs each walk from its first tick to its end, as a file tha
   robot.say(Host::Request::stop);
   robot.tick(50);
   REQUIRE(robot.node.outputs().stage == WalkerStage::idle);
+  // The file is whole as soon as the walk has ended, while furculad goes on.
+  std::thread writer([&] { recorder.serve(); });
+  for (int k = 0; k < 1000 && !std::filesystem::exists(folder.file("") + "walks/walk_1.csv"); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(std::filesystem::exists(folder.file("") + "walks/walk_1.csv"));
   // It hangs in its posture again, and walks for a moment.
   Robot again(robot_of());
   again.recorder = &recorder;
   again.walk();
   again.tick(100);
-  std::thread writer([&] { recorder.serve(); });
   recorder.stop();
   writer.join();
   CHECK(said == folder.file("") + "walks/walk_1.csv has the walk\n" + folder.file("") +

@@ -371,10 +371,10 @@ TEST_CASE(
   for (const Cause& c : found.causes) {
     const Unknown& u = found.unknowns[c.unknown];
     INFO(u.kind << "@" << u.location << ", confidence " << c.confidence);
-    // These sensors have a gyro and a mounting that are off, and encoders that are.
-    if (c.confidence < 0.5 || u.kind.starts_with("gyro_bias") || u.kind.starts_with("imu_mounting") ||
-        u.kind == "encoder_offset")
-      continue;
+    // These sensors have a gyro that is off and encoders that are.
+    if (c.confidence < 0.5 || u.kind.starts_with("gyro_bias") || u.kind == "encoder_offset") continue;
+    // Known to be wrong: the IMU's mounting, which a robot on its stand does not show, has 0.53.
+    if (u.kind == "imu_mounting_y" && c.confidence < 0.6) continue;
     CHECK(u.kind == "coulomb_friction");
     CHECK(u.location == "right_hip_roll");
     found_nm = c.theta * u.prior_sd;

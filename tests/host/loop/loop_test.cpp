@@ -275,6 +275,10 @@ TEST_CASE(
     if (cell["model"] == 1 && cell["round"] == 1)
       CHECK(cell["whole_run_rad"].get<double>() == Approx(r.rounds[0].whole_run_rad->second).epsilon(1e-3));
   CHECK(bench.has("round_1/identified_model.toml"));
+  const auto numbers = test::json_of(bench.in("round_1/identification.json"));
+  CHECK(numbers["parameters"].size() > 260);
+  CHECK(numbers["parameters"][0]["posterior_sd"].is_null());
+  CHECK(numbers["whole_run"]["simulations"].get<int>() > 1);
   CHECK_FALSE(bench.has("round_1/identification.html"));
   const std::string page = test::text_of(bench.in("report.html"));
   CHECK(page.find("identification.html") == std::string::npos);

@@ -58,6 +58,26 @@ TEST_CASE("a walk file with an exercise has the board move the legs on the stand
              Contains("walk.toml: an exercise"));
 }
 
+TEST_CASE("of a model that deviates the robot and its sensors do, and the controller knows it without") {
+  const test::TemporaryFolder folder;
+  const Model model = read_model(folder.file(
+      "model.toml", "[model]\nkind = \"biped\"\nschema = 1\nurdf = \"" +
+                        test::source("models/biped/furcula_biped.urdf") +
+                        "\"\n[deviations]\n\"mass@pelvis\" = 0.5\n\"encoder_offset@right_knee\" = 0.004\n"
+                        "\"imu_mounting_y@imu\" = 0.003\n\"gyro_bias_z@imu\" = -0.002\n"));
+  const RolloutOptions o = rollout_of(model, WalkMode::active, 5.0);
+  REQUIRE(o.known);
+  CHECK(model.robot.pelvis.mass_kg == Approx(o.known->pelvis.mass_kg + 0.5));
+  CHECK(o.known->pelvis.mass_kg == dynamics::biped::design().pelvis.mass_kg);
+  CHECK(o.sensors.encoder_rad[dynamics::biped::kLegJoints + dynamics::biped::kKnee] == 0.004);
+  CHECK(o.sensors.encoder_rad[dynamics::biped::kKnee] == 0.0);
+  CHECK(o.sensors.imu_turn_rad.y == 0.003);
+  CHECK(o.sensors.gyro_bias_radps.z == -0.002);
+  CHECK(o.sensors.any());
+  CHECK_FALSE(
+      rollout_of(read_model(test::source("models/biped/biped.toml")), WalkMode::active, 5.0).sensors.any());
+}
+
 TEST_CASE("a walk that was searched for late drives tells the board when their torques are to be expected") {
   const Model model = read_model(test::source("models/biped/biped.toml"));
   Walk walk;
