@@ -28,8 +28,8 @@ namespace {
 struct ReproduceOptions {
   unsigned starts = 3;  ///< of each gait of 001
   std::string document, out;
-  std::string model;               ///< of 000's robot
-  std::vector<std::string> walks;  ///< of 000
+  std::string model;                      ///< of 000's robot
+  std::vector<std::string> walks, loops;  ///< of 000
   std::uint64_t steps = 300'000'000, case_steps = 30'000'000;
   reproduce::Options study;
 };
@@ -126,6 +126,7 @@ void run_000(const ReproduceOptions& o) {
     options.walks.push_back(walk::read_walk(file));
     walk::require_steps(options.walks.back(), file);
   }
+  options.loops = o.loops;
   const OutFolder folder(o.out);
   reproduce::WalkReproduction r;
   {
@@ -137,6 +138,7 @@ void run_000(const ReproduceOptions& o) {
                         std::to_string(options.seed) + " --steps " + std::to_string(o.steps) +
                         " --case-steps " + std::to_string(o.case_steps);
   for (const std::string& file : o.walks) command += " --walk '" + file + "'";
+  for (const std::string& loop : o.loops) command += " --loop '" + loop + "'";
   command += " --out '" + o.out + "'";
   std::vector<core::NewFile> files{
       {o.out + "/reproduction.json", reproduce::to_json_text(r)},
@@ -193,6 +195,8 @@ void add_reproduce_command(CLI::App& app) {
   command->add_option("--model", options->model, "Of 000's robot: a model file of kind biped");
   command->add_option("--walk", options->walks,
                       "A walk.toml in place of its mode's search (000); may be given twice");
+  command->add_option("--loop", options->loops,
+                      "Folder of a loop that was run (000, Figs. 7 and 8); may be given several times");
   command->add_option("--steps", options->steps, "Of simulation, of each mode's search (000)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000'000}))
       ->capture_default_str();

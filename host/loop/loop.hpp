@@ -97,6 +97,8 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
 walk::Settings settings_in(const std::string& path);
 /// Of a loop.json without a triangle, none. @throws core::DataError: not a loop.json.
 Triangle triangle_in(const std::string& path);
+/// Walks, trials, training errors and triangle of a loop.json: not causes and simulations. @throws core::DataError: not a loop.json.
+LoopResult loop_in(const std::string& path);
 /// Errors and causes of an identification.json. @throws core::DataError
 void read_identification(const std::string& path, Round& round);
 

@@ -52,7 +52,18 @@ Json parsed(Text&& text, const std::string& path, const char* what) {
 /// Of any size: a triangle grows with the square of the rounds.
 Json read_loop_json(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
+  if (!file) throw core::DataError(path + ": cannot be read; expected " + kLoopJson);
   return parsed(file, path, kLoopJson);
+}
+
+Triangle triangle_of(const Json& j) {
+  Triangle out;
+  if (!j.contains("triangle")) return out;
+  for (const Json& one : j.at("triangle"))
+    if (one.contains("whole_run_rad"))  // else it is calculated again
+      out[{one.at("model"), one.at("round"), one.at("repetition")}] = {errors_in(one),
+                                                                       number_in(one.at("whole_run_rad"))};
+  return out;
 }
 
 }  // namespace
@@ -133,13 +144,39 @@ walk::Settings settings_in(const std::string& path) {
 
 Triangle triangle_in(const std::string& path) {
   const Json j = read_loop_json(path);
-  Triangle out;
   try {
-    if (!j.contains("triangle")) return out;
-    for (const Json& one : j.at("triangle"))
-      if (one.contains("whole_run_rad"))  // else it is calculated again
-        out[{one.at("model"), one.at("round"), one.at("repetition")}] = {errors_in(one),
-                                                                         number_in(one.at("whole_run_rad"))};
+    return triangle_of(j);
+  } catch (const Json::exception& e) {
+    throw core::DataError(path + ": " + e.what() + "; expected " + kLoopJson);
+  }
+}
+
+LoopResult loop_in(const std::string& path) {
+  const Json j = read_loop_json(path);
+  LoopResult out;
+  try {
+    out.triangle = triangle_of(j);
+    out.walks = j.at("walks");
+    if (!j.at("exercise").is_null()) out.exercise = j.at("exercise");
+    if (!j.at("ended").is_null()) out.ended = j.at("ended");
+    for (const Json& r : j.at("rounds")) {
+      Round& round = out.rounds.emplace_back();
+      round.walk = r.at("walk");
+      round.walks = r.at("walks");
+      round.asked_m = number_in(r.at("asked_m"));
+      if (const Json& training = r.at("training"); !training.is_null())
+        round.given = errors_in(training.at("given")),
+        round.identified = errors_in(training.at("identified"));
+      for (const Json& t : r.at("trials")) {
+        TrialResult& trial = round.trials.emplace_back();
+        trial.log = t.at("log");
+        if (!t.at("fall_s").is_null()) trial.outcome.fall_s = t.at("fall_s");
+        trial.outcome.time_s = t.at("time_s");
+        trial.outcome.way_m = number_in(t.at("distance_m"));
+        trial.outcome.stands = t.at("stands");
+        trial.walks = t.at("walks");
+      }
+    }
   } catch (const Json::exception& e) {
     throw core::DataError(path + ": " + e.what() + "; expected " + kLoopJson);
   }

@@ -142,8 +142,7 @@ std::string triangle_html(const LoopResult& result) {
              "Root mean squares of measured minus predicted, in mrad, over joint angles and attitude together: document 000, "
              "Eq. 3, without the joint targets. Each window is simulated from a start that is fitted to it, driven by the logged joint "
              "targets; the attitude filter's error is fitted too. Without a mark a number is a prediction of a trial that the model has not seen.") +
-         "<h3>Whole walks</h3>\n" +
-         triangle_table(result, false, [](const Errors& e) { return 1e3 * e.whole_run_rad; }) +
+         "<h3>Whole walks</h3>\n" + whole_run_triangle_html(result) +
          report::paragraph(
              "Document 000, Eq. 3, in mrad: each model walks from the start on with the walking controller. Root mean squares of measured minus "
              "simulated over joint angles, joint targets, roll, pitch and yaw until the robot falls. When the feet land differs, so errors are larger than over windows.") +
@@ -240,6 +239,10 @@ std::string command_of(const LoopOptions& o) {
 }
 
 }  // namespace
+
+std::string whole_run_triangle_html(const LoopResult& result) {
+  return triangle_table(result, false, [](const CellErrors& e) { return 1e3 * e.whole_run_rad; });
+}
 
 std::string render_loop_report(const std::string& robot, const LoopOptions& options,
                                const LoopResult& result) {

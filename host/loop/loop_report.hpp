@@ -11,4 +11,7 @@ namespace furcula::loop {
 std::string render_loop_report(const std::string& robot, const LoopOptions& options,
                                const LoopResult& result);
 
+/// Eq. 3 over whole walks, mrad: models below each other, trials side by side.
+std::string whole_run_triangle_html(const LoopResult& result);
+
 }  // namespace furcula::loop

@@ -1,5 +1,5 @@
 // Document 000, "Semi-Passive Walk and Active Walk by One Bipedal Robot", sections II and III: its figures computed anew with walks that a
-// search finds, and section IV's energies beside simulated ones.
+// search finds, and section IV's energies beside simulated ones and its Figs. 7 and 8 beside loops that were run.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/reproduce/comparison.hpp"
+#include "host/reproduce/loops_000.hpp"
 #include "host/reproduce/omissions.hpp"
 #include "host/walk/energy_study.hpp"
 #include "host/walk/return_map.hpp"
@@ -24,6 +25,7 @@ struct WalkStudyOptions {
   std::string model;  ///< the robot's file
   /// Walks that are there already, active and semi-passive, in place of searches.
   std::vector<walk::Walk> walks;
+  std::vector<std::string> loops;  ///< folders of `furcula walk loop`
   std::function<void(double fraction, std::string_view doing)> progress;
 };
 
@@ -52,6 +54,7 @@ struct WalkReproduction {
   walk::Model model;
   std::vector<StudiedWalk> walks;
   PinIn pin;
+  LoopStudy loops;
   std::vector<Row> rows;
   std::vector<Row> times;  ///< what hangs on this machine, not in the JSON
   std::vector<Omission> omissions;
