@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "host/core/parallel.hpp"
@@ -150,6 +151,15 @@ struct Named {
 /// Windows about a machine, and what they say of numbers.
 class Evidences {
  public:
+  /// Windows linearised about some numbers.
+  struct About {
+    std::vector<LinearWindow> linear;
+    std::vector<Marginal> own;  ///< of `linear`, with the first variances
+    std::vector<Local> locals;
+    std::vector<Variances> variances;
+    std::vector<Gram> grams;
+  };
+
   Evidences(const Machine& model, const std::vector<Unknown>& unknowns,
             const std::vector<Recording>& recordings, const std::vector<Window>& windows,
             std::vector<LinearWindow> linear, std::vector<Local> locals, const Settings& settings)
@@ -158,8 +168,9 @@ class Evidences {
         recordings_(recordings),
         windows_(windows),
         settings_(settings),
-        linear_(std::move(linear)),
-        locals_(std::move(locals)) {
+        about_{std::move(linear), std::vector<Marginal>(windows.size()), std::move(locals), {}, {}} {
+    core::parallel_for(about_.linear.size(), settings.threads,
+                       [&](std::size_t w) { about_.own[w] = scaled(about_.linear[w], first_variances()); });
     for (std::size_t i = 0; i < unknowns.size(); ++i)
       if (of_simulator(unknowns[i])) simulator_.push_back(i);
     constexpr std::size_t kPhases = 4;  // later ones are alike
@@ -218,50 +229,67 @@ class Evidences {
   /// Moves the named numbers to where they are likeliest, the same in all windows, which are linearised about them. @returns the logarithm of the
   /// posterior there, by Laplace's approximation and with the present variances: by its difference one set of numbers is likelier than another.
   double fit(Named& named) const {
-    constexpr int kSteps = 3;
-    // Those without a name keep the derivatives that are there: they are many, and where they are.
+    constexpr int kSteps = 3, kManySteps = 6, kManyHalvings = 2;
+    // Those without a name keep the derivatives that are there: they are many, and where they are. They move with the last one, which begins at none
+    // of it, and a step that is too long for their derivatives is halved.
     const auto free = static_cast<Eigen::Index>(named.free), n = named.theta.size();
+    const int most = free > 0 ? kManySteps : kSteps;
+    int halvings = free > 0 ? kManyHalvings : 0;
+    if (free > 0) named.theta[n - 1] = 0.0;
     const std::vector<std::size_t> kept(named.unknowns.begin(), named.unknowns.begin() + free);
     std::vector<Unknown> those;
     for (std::size_t k = named.free; k < named.unknowns.size(); ++k)
       those.push_back(unknowns_[named.unknowns[k]]);
     std::vector<std::size_t> columns(named.unknowns.size());
     std::iota(columns.begin(), columns.end(), std::size_t{0});
-    Point point = at(model_, unknowns_, all_of(named), locals_);
+    Point point = at(model_, unknowns_, all_of(named), about_.locals);
+    // Windows begin where the derivatives of the point before have them, if they are likelier there.
+    std::vector<Local> also = locals_at(about_.linear, about_.own, point.theta, about_.locals);
     double best = -std::numeric_limits<double>::infinity();
-    for (int k = 0; k < kSteps; ++k) {
-      refit_locals(recordings_, windows_, first_variances(), point, settings_);
+    Eigen::VectorXd to;
+    for (int k = 0; k < most; ++k) {
+      Refitted here = refit_linear(recordings_, windows_, first_variances(), also, point, settings_);
       const Eigen::VectorXd theta = point.theta(named.unknowns);
-      std::vector<LinearWindow> linear =
-          linearised(recordings_, windows_, first_variances(), those,
-                     {point.machine, theta.tail(n - free), point.locals}, settings_);
-      std::vector<Squares> parts(linear.size());
-      core::parallel_for(linear.size(), settings_.threads, [&](std::size_t w) {
-        LinearWindow& l = linear[w];
+      linearise_machine(recordings_, windows_, those, {point.machine, theta.tail(n - free), point.locals},
+                        settings_, here.linear);
+      std::vector<Squares> parts(here.linear.size());
+      core::parallel_for(parts.size(), settings_.threads, [&](std::size_t w) {
+        LinearWindow& l = here.linear[w];
         Eigen::MatrixXd a(l.y.size(), n);
-        a << linear_[w].a(Eigen::all, kept), l.a;
+        a << about_.linear[w].a(Eigen::all, kept), l.a;
         l.a = std::move(a);
         l.y += l.a.leftCols(free) * theta.head(free);
-        parts[w] = Gram(l, variances_[w]).squares(columns, columns.size(), {});
+        parts[w] = Gram(l, about_.variances[w]).squares(columns, columns.size(), {});
       });
       const Step step = step_of(parts, theta);
-      if (!(step.log_posterior > best)) break;
-      best = step.log_posterior, named.theta = theta;
+      if (step.log_posterior > best)
+        best = step.log_posterior, named.theta = theta, to = step.to;
+      else if (halvings-- > 0)
+        to = 0.5 * (named.theta + to);
+      else
+        break;
       Eigen::VectorXd all = all_of(named);
-      all(named.unknowns) = step.to;
+      all(named.unknowns) = to;
       point = at(model_, unknowns_, all, point.locals);
+      also = locals_at(here.linear, here.own, point.theta(named.unknowns), point.locals);
     }
     return best;
   }
 
   /// Goes to these numbers: windows are linearised about them from here on.
   void go_to(const Named& named) {
-    Point point = at(model_, unknowns_, all_of(named), locals_);
-    refit_locals(recordings_, windows_, first_variances(), point, settings_);
-    linear_ = linearised(recordings_, windows_, first_variances(), unknowns_, point, settings_);
-    locals_ = point.locals;
+    Point point = at(model_, unknowns_, all_of(named), about_.locals);
+    Refitted here =
+        refit_linear(recordings_, windows_, first_variances(),
+                     locals_at(about_.linear, about_.own, point.theta, about_.locals), point, settings_);
+    linearise_machine(recordings_, windows_, unknowns_, point, settings_, here.linear);
+    about_.linear = std::move(here.linear), about_.own = std::move(here.own);
+    about_.locals = point.locals;
     estimate_variances(point.theta);
   }
+
+  const About& about() const { return about_; }
+  void go_back(About to) { about_ = std::move(to); }
 
   /// Where the windows' linear model has these numbers, and the logarithm of the posterior there, each window with its own ground.
   double settle(Named& named) const {
@@ -303,22 +331,22 @@ class Evidences {
 
   /// About `theta`: what the windows leave there is what disturbs them.
   void estimate_variances(const Eigen::VectorXd& theta) {
-    for (LinearWindow& l : linear_) l.y -= l.a * theta;
-    variances_ = estimated(linear_, first_variances(), settings_.threads);
-    grams_.resize(linear_.size());
-    core::parallel_for(linear_.size(), settings_.threads, [&](std::size_t w) {
-      linear_[w].y += linear_[w].a * theta;
-      grams_[w] = Gram(linear_[w], variances_[w]);
+    for (LinearWindow& l : about_.linear) l.y -= l.a * theta;
+    about_.variances = estimated(about_.linear, first_variances(), settings_.threads);
+    about_.grams.resize(about_.linear.size());
+    core::parallel_for(about_.linear.size(), settings_.threads, [&](std::size_t w) {
+      about_.linear[w].y += about_.linear[w].a * theta;
+      about_.grams[w] = Gram(about_.linear[w], about_.variances[w]);
       // Each window has its own ground.
-      for (const std::size_t i : simulator_) grams_[w].integrate(static_cast<Eigen::Index>(i), 1.0);
+      for (const std::size_t i : simulator_) about_.grams[w].integrate(static_cast<Eigen::Index>(i), 1.0);
     });
   }
 
   std::vector<Squares> squares_of(const std::vector<std::size_t>& columns, std::size_t last,
                                   const Own& own) const {
-    std::vector<Squares> out(grams_.size());
-    core::parallel_for(grams_.size(), settings_.threads,
-                       [&](std::size_t w) { out[w] = grams_[w].squares(columns, last, own); });
+    std::vector<Squares> out(about_.grams.size());
+    core::parallel_for(about_.grams.size(), settings_.threads,
+                       [&](std::size_t w) { out[w] = about_.grams[w].squares(columns, last, own); });
     return out;
   }
 
@@ -327,10 +355,7 @@ class Evidences {
   const std::vector<Recording>& recordings_;
   const std::vector<Window>& windows_;
   const Settings& settings_;
-  std::vector<LinearWindow> linear_;
-  std::vector<Local> locals_;
-  std::vector<Variances> variances_;
-  std::vector<Gram> grams_;
+  About about_;
   std::vector<std::size_t> simulator_;
   std::vector<std::size_t> phase_;
 };
@@ -411,6 +436,10 @@ void find(Evidences& evidences, std::size_t most, Found& out) {
   const double prior = std::log(static_cast<double>(out.all.size() + out.causes.size()));
   std::vector<Candidate>& all = out.all;
   Named& named = out.named;
+  const auto log_posterior = [&](Named n) {
+    return evidences.settle(n) - prior * static_cast<double>(n.unknowns.size() - n.free);
+  };
+  out.log_posterior = log_posterior(named);
   while (out.causes.size() < most) {
     const std::vector<RandomEffect> effects = evidences(all, named);
     const std::vector<std::size_t> rivals = rivals_of(effects, prior);
@@ -430,45 +459,51 @@ void find(Evidences& evidences, std::size_t most, Found& out) {
       if (b < kAsLikely) cause.correlated_with.push_back(all[k].unknown);
     }
     cause.confidence = 1.0 / (1.0 + odds);
-    out.causes.push_back(std::move(cause));
-    named = std::move(ranking.named);
-    out.of_named.push_back(all[best]);
+    const Candidate candidate = all[best];
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(best));
-    // What windows say of each about where all are.
-    evidences.go_to(named);
+    // What derivatives promise may not be there: a cause is one with which all is likelier where windows are linearised about it.
+    Evidences::About before = evidences.about();
+    evidences.go_to(ranking.named);
+    const double now = log_posterior(ranking.named);
+    if (!(now > out.log_posterior)) {
+      evidences.go_back(std::move(before));
+      continue;
+    }
+    out.log_posterior = now;
+    named = std::move(ranking.named);
+    out.causes.push_back(std::move(cause));
+    out.of_named.push_back(candidate);
     for (std::size_t k = 0; k < out.causes.size(); ++k) {
-      const RandomEffect now = evidences({out.of_named[k]}, named.without(k)).front();
+      const RandomEffect effect = evidences({out.of_named[k]}, named.without(k)).front();
       Cause& c = out.causes[k];
-      c.theta = now.theta, c.sd = now.sd, c.spread = named.spreads[named.free + k] = now.spread;
+      c.theta = effect.theta, c.sd = effect.sd, c.spread = named.spreads[named.free + k] = effect.spread;
     }
   }
-  Named settled = named;
-  out.log_posterior = evidences.settle(settled) - prior * static_cast<double>(out.causes.size());
 }
 
 /// All numbers of the tables, none of which has a name: from where `theta` has them to where they are likeliest with the others as in the model.
-/// `evidences` goes there.
-Named settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns,
-                     const Eigen::VectorXd& theta) {
-  constexpr int kSteps = 3;
+/// `evidences` goes there. None where windows cannot be simulated with them.
+std::optional<Named> settled_tables(Evidences& evidences, const std::vector<Unknown>& unknowns,
+                                    const Eigen::VectorXd& theta) {
+  constexpr int kSteps = 8;
   Named tables;
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     if (unknowns[i].of_tables && !of_simulator(unknowns[i]))
       tables = tables.with(i, theta[static_cast<Eigen::Index>(i)], 0.0);
   tables.free = tables.unknowns.size();
-  Named best = tables;
+  std::optional<Named> best;
   double most = -std::numeric_limits<double>::infinity();
   for (int k = 0; k < kSteps; ++k) {
+    Evidences::About before = evidences.about();
     evidences.go_to(tables);
     Named here = tables;
     const double now = evidences.settle(here);
     if (!(now > most)) {
-      evidences.go_to(best);
+      evidences.go_back(std::move(before));
       break;
     }
     most = now, best = std::exchange(tables, std::move(here));
   }
-  evidences.settle(best);
   return best;
 }
 
@@ -484,10 +519,12 @@ Causes causes(const Machine& model, const std::vector<Unknown>& unknowns,
   if (few.causes.size() < kMany) return {std::move(few.causes), false};
   {
     Evidences about_tables = evidences;
-    Found beyond{candidates(model, unknowns), settled_tables(about_tables, unknowns, fitted), {}};
-    std::erase_if(beyond.all, [&](const Candidate& c) { return unknowns[c.unknown].of_tables; });
-    find(about_tables, kMostCauses, beyond);
-    if (beyond.log_posterior > few.log_posterior) return {std::move(beyond.causes), true};
+    if (std::optional<Named> tables = settled_tables(about_tables, unknowns, fitted)) {
+      Found beyond{candidates(model, unknowns), std::move(*tables), {}};
+      std::erase_if(beyond.all, [&](const Candidate& c) { return unknowns[c.unknown].of_tables; });
+      find(about_tables, kMostCauses, beyond);
+      if (beyond.log_posterior > few.log_posterior) return {std::move(beyond.causes), true};
+    }
   }
   find(evidences, kMostCauses, few);
   return {std::move(few.causes), false};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "host/core/parallel.hpp"
 
@@ -29,40 +31,52 @@ namespace {
 class WindowFit {
  public:
   WindowFit(const Recording& recording, const Window& window, const Variances& variances,
-            const Machine& machine, const Plant& plant, double step_s, const Local& start)
+            const Machine& machine, const Plant& plant, double step_s, std::span<const Local> starts)
       : recording_(recording),
         window_(window),
         variances_(variances),
         machine_(machine),
         plant_(plant),
-        step_s_(step_s),
-        x_(start) {
+        step_s_(step_s) {
     for (std::size_t k = 0; k < kRowSize; ++k) row_sd_[k] = std::sqrt(variances.noise[noise_of(k)]);
-    const Eigen::MatrixXd r = residuals_at({&x_, 1});
-    residual_ = r.col(0);
-    cost_ = cost_of(x_, residual_);
+    const Eigen::MatrixXd r = residuals_at(starts);
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      const Eigen::VectorXd residual = r.col(static_cast<Eigen::Index>(i));
+      if (const double now = cost_of(starts[i], residual); i == 0 || now < cost_)
+        cost_ = now, x_ = starts[i], residual_ = residual;
+    }
   }
 
   const Local& locals() const { return x_; }
   double cost() const { return cost_; }
   const Eigen::VectorXd& residual() const { return residual_; }
 
-  /// Linearises anew until a first step gains little, at most so many times.
+  /// Linearises anew until a first step gains little, at most so many times in all.
   void improve(int derivatives) {
     damping_ = kFirstDamping;
-    for (int k = 0; k < derivatives; ++k)
-      if (const LinearWindow l = linearised(recording_, window_, variances_, machine_, plant_, x_, step_s_);
-          !along(l, scaled(l, variances_), true))
-        return;
+    settled_ = false;
+    for (int k = 0; k < derivatives && !settled_; ++k) {
+      linearise();
+      settled_ = !along(linear_, own_, true);
+    }
+  }
+
+  /// About where it is. Derivatives of a last step that gained little hold after it too.
+  std::pair<LinearWindow, Marginal> linear() && {
+    if (!settled_) linearise();
+    linear_.y = residual_;
+    for (Eigen::Index k = 0; k < linear_.c.cols(); ++k) linear_.y += linear_.c.col(k) * x_[of(linear_, k)];
+    return {std::move(linear_), std::move(own_)};
   }
 
   /// Steps along the same derivatives, as long as they gain much. @returns whether the first one did. `here`: they were taken here.
   bool along(const LinearWindow& linear, const Marginal& s, bool here = false) {
     constexpr int kMost = 8;
+    const Eigen::MatrixXd normal = s.m.reconstructedMatrix();
     for (int k = 0; k < kMost; ++k) {
-      double gain = step(linear, s);
+      double gain = step(linear, s, normal);
       // Where derivatives were taken the cost falls along the steepest descent, if the step is short enough.
-      for (; here && k == 0 && gain == 0.0 && damping_ < kMostDamping; gain = step(linear, s)) {
+      for (; here && k == 0 && gain == 0.0 && damping_ < kMostDamping; gain = step(linear, s, normal)) {
       }
       if (!(gain > kLittle * cost_)) return k > 0;
     }
@@ -70,17 +84,21 @@ class WindowFit {
   }
 
  private:
+  void linearise() {
+    linear_ = linearised(recording_, window_, variances_, machine_, plant_, x_, step_s_);
+    own_ = scaled(linear_, variances_);
+  }
+
   /// Times the damping of the step before: tried at once, in lanes.
   static constexpr std::array<double, 4> kDampings{0.1, 1.0, 10.0, 100.0};
   static constexpr double kLittle = 1e-3, kFirstDamping = 1e-2, kLeastDamping = 1e-6, kMostDamping = 1e4;
 
   /// @returns what it gained.
-  double step(const LinearWindow& linear, const Marginal& s) {
+  double step(const LinearWindow& linear, const Marginal& s, const Eigen::MatrixXd& normal) {
     const auto n = s.c.cols();
     Eigen::VectorXd z(n);
     for (Eigen::Index k = 0; k < n; ++k) z[k] = x_[of(linear, k)] / s.local_sd[k];
     const Eigen::VectorXd gradient = s.c.transpose() * residual_.cwiseQuotient(s.row_sd) - z;
-    const Eigen::MatrixXd normal = s.m.reconstructedMatrix();
     std::array<Local, kDampings.size()> tried;
     tried.fill(x_);
     for (std::size_t i = 0; i < tried.size(); ++i) {
@@ -136,6 +154,9 @@ class WindowFit {
   Local x_;
   Eigen::VectorXd residual_;
   double cost_ = 0.0, damping_ = kFirstDamping;
+  LinearWindow linear_;
+  Marginal own_;
+  bool settled_ = false;
 };
 
 }  // namespace
@@ -232,7 +253,8 @@ std::vector<double> fit_locals(const std::vector<Recording>& recordings, const s
     for (const double share : {0.0, 1.0}) {
       Local start = Local::Zero();
       start[1] = share * flat[0], start[2] = share * flat[1];
-      fits.emplace_back(recording, windows[w], v, point.machine, plant, settings.step_s, start);
+      fits.emplace_back(recording, windows[w], v, point.machine, plant, settings.step_s,
+                        std::span(&start, 1));
       fits.back().improve(std::min(kEach, derivatives));
       if (fits.back().cost() < static_cast<double>(fits.back().residual().size()))
         break;  // noise leaves more
@@ -247,29 +269,47 @@ std::vector<double> fit_locals(const std::vector<Recording>& recordings, const s
 
 namespace {
 
-/// `move` fits each window from where its own unknowns are, which end where it leaves them.
+/// `move` fits each window from where its own unknowns are, which end where it leaves them. `also`: or from there, where that is likelier.
 template <class Move>
 void each_window(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
-                 const Variances& v, Point& point, const Settings& settings, const Move& move) {
+                 const Variances& v, Point& point, const Settings& settings, const Move& move,
+                 const std::vector<Local>* also = nullptr) {
   const Plant plant = plant_of(point.machine);
   core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
+    std::vector<Local> starts{point.locals[w]};
+    if (also != nullptr) starts.push_back((*also)[w]);
     WindowFit fit(recordings[windows[w].recording], windows[w], v, point.machine, plant, settings.step_s,
-                  point.locals[w]);
+                  starts);
     move(w, fit);
     point.locals[w] = fit.locals();
   });
 }
 
+constexpr int kRefitDerivatives = 6;
+
 }  // namespace
 
 std::vector<double> refit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
                                  const Variances& v, Point& point, const Settings& settings) {
-  constexpr int kDerivatives = 6;
   std::vector<double> out(windows.size());
   each_window(recordings, windows, v, point, settings, [&](std::size_t w, WindowFit& fit) {
-    fit.improve(kDerivatives);
+    fit.improve(kRefitDerivatives);
     out[w] = fit.cost();
   });
+  return out;
+}
+
+Refitted refit_linear(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                      const Variances& v, const std::vector<Local>& also, Point& point,
+                      const Settings& settings) {
+  Refitted out{std::vector<LinearWindow>(windows.size()), std::vector<Marginal>(windows.size())};
+  each_window(
+      recordings, windows, v, point, settings,
+      [&](std::size_t w, WindowFit& fit) {
+        fit.improve(kRefitDerivatives);
+        std::tie(out.linear[w], out.own[w]) = std::move(fit).linear();
+      },
+      &also);
   return out;
 }
 

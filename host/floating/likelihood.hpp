@@ -46,6 +46,16 @@ std::vector<double> fit_locals(const std::vector<Recording>& recordings, const s
 std::vector<double> refit_locals(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
                                  const Variances& variances, Point& point, const Settings& settings);
 
+/// Windows linearised in their own unknowns alone, and these integrated out.
+struct Refitted {
+  std::vector<LinearWindow> linear;
+  std::vector<Marginal> own;
+};
+/// As refit_locals, from `also` where that is likelier; with what the windows are about there.
+Refitted refit_linear(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                      const Variances& variances, const std::vector<Local>& also, Point& point,
+                      const Settings& settings);
+
 /// A window whose own unknowns were moved.
 struct Moved {
   Eigen::VectorXd residual;

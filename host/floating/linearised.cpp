@@ -1,6 +1,9 @@
 #include "host/floating/linearised.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string_view>
 
 #include "host/core/parallel.hpp"
 
@@ -42,52 +45,73 @@ constexpr double kPart = 1e-3;
 
 double step_of(std::size_t local) { return kPart * kLocalSd[group_of(local)]; }
 
+/// A stand that holds the pelvis parts the legs: what differs in one moves no joint of the other.
+bool on_the_stand(const Window& window) { return !window.stance[0] && !window.stance[1]; }
+
+/// Of an angle, a rate or a torque at the left leg, that of the right one.
+std::optional<std::size_t> right_of(std::size_t local) {
+  const auto after = [&](std::size_t first, std::size_t of_a_joint) -> std::optional<std::size_t> {
+    if (local < first || local >= first + kLegJoints * of_a_joint) return std::nullopt;
+    return local + kLegJoints * of_a_joint;
+  };
+  for (const auto& right : {after(9, 1), after(9 + kJoints, 1), after(kStart, kKnots)})
+    if (right) return right;
+  return std::nullopt;
+}
+
+/// A run by which one column is differenced, or one of each leg.
+struct Difference {
+  std::size_t column;
+  std::optional<std::size_t> right;
+};
+
+/// Rows of each leg's joints in its column; without the right one all rows in the column.
+void put(const Difference& d, const Eigen::VectorXd& difference, Eigen::MatrixXd& out) {
+  const auto column = static_cast<Eigen::Index>(d.column);
+  if (!d.right) {
+    out.col(column) = difference;
+    return;
+  }
+  const auto right = static_cast<Eigen::Index>(*d.right);
+  out.col(column).setZero(), out.col(right).setZero();
+  constexpr Eigen::Index kLeg = kLegJoints;
+  for (Eigen::Index row = 0; row < difference.size(); row += static_cast<Eigen::Index>(kRowSize)) {
+    out.col(column).segment(row, kLeg) = difference.segment(row, kLeg);
+    out.col(right).segment(row + kLeg, kLeg) = difference.segment(row + kLeg, kLeg);
+  }
+}
+
+/// Runs of the unknowns; `parted`: the legs are.
+std::vector<Difference> differences(const std::vector<Unknown>& unknowns, bool parted) {
+  constexpr std::string_view kLeft = "left_", kRight = "right_";
+  std::vector<Difference> out;
+  std::vector<bool> done(unknowns.size(), false);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    if (done[i]) continue;
+    Difference d{i, std::nullopt};
+    const Unknown& u = unknowns[i];
+    for (std::size_t k = 0; parted && !d.right && u.location.starts_with(kLeft) && k < unknowns.size(); ++k)
+      if (!done[k] && unknowns[k].kind == u.kind && unknowns[k].location.starts_with(kRight) &&
+          unknowns[k].location.substr(kRight.size()) == u.location.substr(kLeft.size()))
+        d.right = k, done[k] = true;
+    out.push_back(d);
+  }
+  return out;
+}
+
 /// Those of a window that are simulated, disturbances knot by knot. A stand that holds the pelvis leaves its tilt open alone.
 std::vector<std::size_t> simulated_locals(const Window& window, const Variances& variances) {
   std::vector<std::size_t> out;
   const auto put = [&](std::size_t i) {
     if (variances.local[group_of(i)] > 0.0) out.push_back(i);
   };
-  const bool held = !window.stance[0] && !window.stance[1];
+  const bool held = on_the_stand(window);
   for (std::size_t i = 0; i < kStart; ++i)
     if (const LocalGroup g = group_of(i); !held || g == kTilt || g == kAngle || g == kRate) put(i);
   for (std::size_t knot = 0; knot < kKnots; ++knot)
     for (std::size_t c = 0; c < kChannels; ++c)
       if (c < kJoints || window.stance[(c - kJoints) / 6]) put(kStart + c * kKnots + knot);
   return out;
-}
-
-/// `deviating`: machines that differ from `here` by kPart of an unknown's prior deviation.
-LinearWindow one_linearised(const Recording& recording, const Window& window, const Variances& variances,
-                            const Variant& here, std::span<const Variant> deviating, double step_s) {
-  LinearWindow l;
-  l.locals = simulated_locals(window, variances);
-  std::vector<Variant> variants{here};
-  for (const std::size_t i : l.locals)
-    variants.push_back({here.machine, here.plant, here.locals, static_cast<int>(i), step_of(i)});
-  variants.insert(variants.end(), deviating.begin(), deviating.end());
-  const Eigen::MatrixXd r = residuals(recording, window, variants, step_s);
-  const auto simulated = static_cast<Eigen::Index>(l.locals.size()),
-             globals = static_cast<Eigen::Index>(deviating.size());
-  l.y = r.col(0);
-  constexpr std::size_t kFilters = 3 * kFilterShapes;
-  l.c = Eigen::MatrixXd::Zero(r.rows(), simulated + static_cast<Eigen::Index>(kFilters));
-  for (Eigen::Index k = 0; k < simulated; ++k)
-    l.c.col(k) = (r.col(0) - r.col(1 + k)) / step_of(l.locals[static_cast<std::size_t>(k)]);
-  for (std::size_t n = 1; n < window.count; ++n) {
-    const double t = recording.rows[window.first + n].time_s - recording.rows[window.first].time_s;
-    for (std::size_t k = 0; k < kFilters; ++k) {
-      const std::size_t axis = k % 3, power = k / 3;
-      l.c(static_cast<Eigen::Index>((n - 1) * kRowSize + kJoints + axis),
-          simulated + static_cast<Eigen::Index>(k)) = std::pow(t, static_cast<double>(power));
-    }
-  }
-  for (std::size_t k = 0; k < kFilters; ++k) l.locals.push_back(kFilterAt + k);
-  for (Eigen::Index k = 0; k < l.c.cols(); ++k)
-    l.y += l.c.col(k) * here.locals[l.locals[static_cast<std::size_t>(k)]];
-  l.a.resize(r.rows(), globals);
-  for (Eigen::Index i = 0; i < globals; ++i) l.a.col(i) = (r.col(0) - r.col(1 + simulated + i)) / kPart;
-  return l;
 }
 
 }  // namespace
@@ -109,29 +133,95 @@ Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen
 
 LinearWindow linearised(const Recording& recording, const Window& window, const Variances& variances,
                         const Machine& machine, const Plant& plant, const Local& local, double step_s) {
-  return one_linearised(recording, window, variances, {&machine, &plant, local.data()}, {}, step_s);
+  LinearWindow l;
+  l.locals = simulated_locals(window, variances);
+  const std::size_t simulated = l.locals.size();
+  std::vector<Variant> variants{{&machine, &plant, local.data()}};
+  std::vector<Difference> runs;
+  std::vector<bool> done(simulated, false);
+  for (std::size_t k = 0; k < simulated; ++k) {
+    if (done[k]) continue;
+    const std::size_t i = l.locals[k];
+    variants.push_back({&machine, &plant, local.data(), static_cast<int>(i), step_of(i)});
+    runs.push_back({k, std::nullopt});
+    const auto right = on_the_stand(window) ? right_of(i) : std::nullopt;
+    if (!right) continue;
+    const auto at =
+        static_cast<std::size_t>(std::find(l.locals.begin(), l.locals.end(), *right) - l.locals.begin());
+    variants.back().other_leg = static_cast<int>(*right);
+    runs.back().right = at, done[at] = true;
+  }
+  const Eigen::MatrixXd r = residuals(recording, window, variants, step_s);
+  l.y = r.col(0);
+  constexpr std::size_t kFilters = 3 * kFilterShapes;
+  l.c = Eigen::MatrixXd::Zero(r.rows(), static_cast<Eigen::Index>(simulated + kFilters));
+  for (std::size_t k = 0; k < runs.size(); ++k)
+    put(runs[k], (r.col(0) - r.col(static_cast<Eigen::Index>(1 + k))) / step_of(l.locals[runs[k].column]),
+        l.c);
+  for (std::size_t n = 1; n < window.count; ++n) {
+    const double t = recording.rows[window.first + n].time_s - recording.rows[window.first].time_s;
+    for (std::size_t k = 0; k < kFilters; ++k) {
+      const std::size_t axis = k % 3, power = k / 3;
+      l.c(static_cast<Eigen::Index>((n - 1) * kRowSize + kJoints + axis),
+          static_cast<Eigen::Index>(simulated + k)) = std::pow(t, static_cast<double>(power));
+    }
+  }
+  for (std::size_t k = 0; k < kFilters; ++k) l.locals.push_back(kFilterAt + k);
+  for (Eigen::Index k = 0; k < l.c.cols(); ++k)
+    l.y += l.c.col(k) * local[static_cast<Eigen::Index>(l.locals[static_cast<std::size_t>(k)])];
+  return l;
+}
+
+void linearise_machine(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                       const std::vector<Unknown>& unknowns, const Point& point, const Settings& settings,
+                       std::vector<LinearWindow>& linear) {
+  struct Deviating {
+    std::vector<Difference> runs;
+    std::vector<Machine> machines;
+    std::vector<Plant> plants;
+  };
+  std::array<Deviating, 2> of;  // on the ground, on the stand
+  for (const bool parted : {false, true}) {
+    if (std::none_of(windows.begin(), windows.end(),
+                     [&](const Window& w) { return on_the_stand(w) == parted; }))
+      continue;
+    Deviating& d = of[parted];
+    d.runs = differences(unknowns, parted);
+    for (const Difference& run : d.runs) {
+      Machine& m = d.machines.emplace_back(point.machine);
+      unknowns[run.column].add(m, kPart * unknowns[run.column].prior_sd);
+      if (run.right) unknowns[*run.right].add(m, kPart * unknowns[*run.right].prior_sd);
+      d.plants.push_back(plant_of(m));
+    }
+  }
+  const Plant here = plant_of(point.machine);
+  core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
+    const Deviating& d = of[on_the_stand(windows[w])];
+    const double* locals = point.locals[w].data();
+    std::vector<Variant> variants{{&point.machine, &here, locals}};
+    for (std::size_t k = 0; k < d.runs.size(); ++k)
+      variants.push_back({&d.machines[k], &d.plants[k], locals});
+    const Eigen::MatrixXd r =
+        residuals(recordings[windows[w].recording], windows[w], variants, settings.step_s);
+    LinearWindow& l = linear[w];
+    l.a.resize(r.rows(), static_cast<Eigen::Index>(unknowns.size()));
+    for (std::size_t k = 0; k < d.runs.size(); ++k)
+      put(d.runs[k], (r.col(0) - r.col(static_cast<Eigen::Index>(1 + k))) / kPart, l.a);
+    l.y += l.a * point.theta;
+  });
 }
 
 std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
                                      const std::vector<Window>& windows, const Variances& variances,
                                      const std::vector<Unknown>& unknowns, const Point& point,
                                      const Settings& settings) {
-  std::vector<Machine> machines(unknowns.size(), point.machine);
-  std::vector<Plant> plants(unknowns.size());
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    unknowns[i].add(machines[i], kPart * unknowns[i].prior_sd);
-    plants[i] = plant_of(machines[i]);
-  }
   const Plant here = plant_of(point.machine);
   std::vector<LinearWindow> out(windows.size());
   core::parallel_for(windows.size(), settings.threads, [&](std::size_t w) {
-    const double* locals = point.locals[w].data();
-    std::vector<Variant> deviating;
-    for (std::size_t i = 0; i < unknowns.size(); ++i) deviating.push_back({&machines[i], &plants[i], locals});
-    out[w] = one_linearised(recordings[windows[w].recording], windows[w], variances,
-                            {&point.machine, &here, locals}, deviating, settings.step_s);
-    out[w].y += out[w].a * point.theta;
+    out[w] = linearised(recordings[windows[w].recording], windows[w], variances, point.machine, here,
+                        point.locals[w], settings.step_s);
   });
+  linearise_machine(recordings, windows, unknowns, point, settings, out);
   return out;
 }
 

@@ -82,6 +82,11 @@ Point at(const Machine& model, const std::vector<Unknown>& unknowns, const Eigen
 LinearWindow linearised(const Recording& recording, const Window& window, const Variances& variances,
                         const Machine& machine, const Plant& plant, const Local& local, double step_s);
 
+/// Adds the machine's derivatives to windows linearised in their own unknowns.
+void linearise_machine(const std::vector<Recording>& recordings, const std::vector<Window>& windows,
+                       const std::vector<Unknown>& unknowns, const Point& point, const Settings& settings,
+                       std::vector<LinearWindow>& linear);
+
 std::vector<LinearWindow> linearised(const std::vector<Recording>& recordings,
                                      const std::vector<Window>& windows, const Variances& variances,
                                      const std::vector<Unknown>& unknowns, const Point& point,

@@ -223,7 +223,8 @@ class Batch {
       const Variant& v = variants[std::min(lane, variants.size() - 1)];
       put_plant(plant_, lane, *v.plant);
       std::copy(v.locals, v.locals + kLocals, locals_[lane].begin());
-      if (v.local >= 0) locals_[lane][static_cast<std::size_t>(v.local)] += v.change;
+      for (const int local : {v.local, v.other_leg})
+        if (local >= 0) locals_[lane][static_cast<std::size_t>(local)] += v.change;
       if (first_row == 0)
         put_state(state_, lane, start(recording, window, *v.machine, *v.plant, locals_[lane]));
       machines_[lane] = v.machine;
@@ -308,7 +309,10 @@ class Batch {
     kinematics<AnywhereTopology>(plant_, state_, k);
     Actions<T> act;
     FootContact<T> feet;
-    contact(plant_, state_, k, act.foot, feet);
+    if (recording_.held)  // above the ground
+      feet.anchors_m = state_.anchors_m, act.foot = {};
+    else
+      contact(plant_, state_, k, act.foot, feet);
     const T ramp_nmspr = T(kRampOf_nm / plant_.creep_radps), inverse_take_up = T(1.0 / kTakeUp_nm),
             one = T(1.0);
     for (std::size_t side = 0; side < 2; ++side) {

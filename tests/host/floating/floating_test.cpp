@@ -320,6 +320,54 @@ TEST_CASE("a window of the stand hardly depends on the step") {
   CHECK(worst < 5e-5);  // noise of an encoder
 }
 
+TEST_CASE("on a stand one run has a derivative of each leg, the same as by itself, to the bit") {
+  walk::Walk walk = test::found_walk("active");
+  walk.exercise_s = 8.0;
+  log::Log log = walk::simulate_exercise(dynamics::biped::design(), walk, 0.0, 0.01, 3);
+  log.path = "exercise.csv";
+  const std::vector<Recording> recordings{recording_of(log)};
+  const std::vector<Window> windows{windows_of(recordings[0], 0, 0.3)[12]};
+  const Machine machine = nominal();
+  const Plant plant = plant_of(machine);
+  const Local here = Local::Constant(1e-4);
+  const LinearWindow own =
+      linearised(recordings[0], windows[0], first_variances(), machine, plant, here, Settings{}.step_s);
+  double moved = 0.0;
+  for (std::size_t k = 0; k < own.locals.size(); ++k) {
+    if (own.locals[k] >= kFilterAt) continue;
+    INFO("a window's own unknown " << own.locals[k]);
+    const double change = 1e-3 * kLocalSd[group_of(own.locals[k])];
+    const std::array both{Variant{&machine, &plant, here.data()},
+                          Variant{&machine, &plant, here.data(), static_cast<int>(own.locals[k]), change}};
+    const Eigen::MatrixXd r = residuals(recordings[0], windows[0], both, Settings{}.step_s);
+    const auto column = static_cast<Eigen::Index>(k);
+    CHECK((own.c.col(column) == (r.col(0) - r.col(1)) / change));
+    moved += own.c.col(column).cwiseAbs().maxCoeff() > 0.0;
+  }
+  CHECK(moved == 2 + 2 * 12 + 12 * kKnots);  // tilt, angles, rates, torques
+
+  const std::vector<Unknown> unknowns = biped::unknowns(machine.robot, true, false);
+  const Point point =
+      at(machine, unknowns, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns.size())), {here});
+  const auto derivatives = [&](const std::vector<Unknown>& of) {
+    std::vector<LinearWindow> linear{own};
+    linearise_machine(
+        recordings, windows, of,
+        {point.machine, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(of.size())), point.locals},
+        Settings{}, linear);
+    return linear[0].a;
+  };
+  const Eigen::MatrixXd all = derivatives(unknowns);
+  int acting = 0;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    INFO(unknowns[i].name());
+    CHECK((all.col(static_cast<Eigen::Index>(i)) == derivatives({unknowns[i]}).col(0)));
+    acting += unknowns[i].location.starts_with("right_") &&
+              all.col(static_cast<Eigen::Index>(i)).cwiseAbs().maxCoeff() > 0.0;
+  }
+  CHECK(acting > 100);
+}
+
 TEST_CASE("more dry friction does not move a joint that sticks, and holds one that slides") {
   walk::Walk walk = test::found_walk("active");
   walk.exercise_s = 8.0;
