@@ -224,6 +224,7 @@ class Loop {
       predict(0, given_, round, k, 0.0);
       if (round > 1 && o_.identify_by != IdentifyBy::none) predict(round - 1, model, round, k, 0.5);
     }
+    result_.last_trial = beside_simulation(given_, model.machine, whole_run(round, o_.repetitions));
     const auto walked =
         std::count_if(r.trials.begin(), r.trials.end(), [](const auto& t) { return t.walks; });
     r.walks = static_cast<double>(walked) >= kShare * static_cast<double>(r.trials.size());

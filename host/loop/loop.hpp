@@ -19,6 +19,7 @@
 #include "host/floating/identify.hpp"
 #include "host/loop/trial.hpp"
 #include "host/loop/triangle.hpp"
+#include "host/loop/whole_run.hpp"
 #include "host/walk/checkpoint.hpp"
 #include "host/walk/ensemble.hpp"
 
@@ -85,6 +86,8 @@ struct LoopResult {
   Triangle triangle;
   bool walks = false;  ///< the last walk does
   std::string ended;   ///< where no walk to try was found, why
+  /// The last trial beside the simulation that its walk was searched in; none where nothing was simulated.
+  std::optional<BesideSimulation> last_trial;
 };
 
 /// Does what is not done yet. @throws core::DataError: `out` has another loop, with what differs; a trial that cannot be used.

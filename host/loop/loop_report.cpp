@@ -2,7 +2,9 @@
 #include "host/loop/loop_report.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "host/core/commands.hpp"
@@ -175,6 +177,48 @@ std::string over_rounds(const LoopResult& result) {
   return report::line_plot_html(errors) + report::line_plot_html(distance);
 }
 
+/// Document 000, Fig. 9 (b), and how far apart robot and simulation are over time.
+std::string last_trial(const LoopResult& result) {
+  if (!result.last_trial) return "";
+  const BesideSimulation& b = *result.last_trial;
+  constexpr std::size_t kTurns = 2 * biped::kJoints;
+  const auto lines = [&](const std::string& title,
+                         std::initializer_list<std::pair<std::size_t, std::string>> of) {
+    report::LinePlot plot{title, "s", {}};
+    for (const auto& [i, name] : of) {
+      plot.lines.push_back({name + ", robot", b.time_s, b.measured_rad[i]});
+      plot.lines.push_back({name + ", simulation", b.time_s, b.simulated_rad[i]});
+    }
+    return report::line_plot_html(plot);
+  };
+  const auto apart = [&](const std::string& name, std::size_t first, std::size_t count) {
+    report::Line line{name, b.time_s, {}};
+    for (std::size_t k = 0; k < b.time_s.size(); ++k) {
+      double sum = 0.0;
+      for (std::size_t i = first; i < first + count; ++i) {
+        const double off = b.measured_rad[i][k] - b.simulated_rad[i][k];
+        sum += off * off;
+      }
+      line.y.push_back(1e3 * std::sqrt(sum / static_cast<double>(count)));
+    }
+    return line;
+  };
+  constexpr std::size_t kRight = biped::kLegJoints + dynamics::biped::kHipRoll;
+  return lines("Hip roll, rad", {{dynamics::biped::kHipRoll, "left"}, {kRight, "right"}}) +
+         lines("Targets of hip roll, rad",
+               {{biped::kJoints + dynamics::biped::kHipRoll, "left"}, {biped::kJoints + kRight, "right"}}) +
+         lines("Attitude, rad", {{kTurns, "roll"}, {kTurns + 1, "pitch"}}) +
+         report::line_plot_html(
+             {"Measured minus simulated, root mean square, mrad",
+              "s",
+              {apart("12 joint angles", 0, biped::kJoints), apart("roll and pitch", kTurns, 2)},
+              true}) +
+         report::paragraph(
+             "The last trial, " + result.rounds.back().trials.back().log +
+             ", and the whole walk simulated with the model that it was searched on. Both begin where the first target "
+             "leaves its place; a simulated robot that has fallen stays as it is.");
+}
+
 std::string round_html(const LoopResult& result, std::size_t r) {
   const Round& round = result.rounds[r - 1];
   std::string out = "<h3>Round " + std::to_string(r) + "</h3>\n<p>" + link(round.walk, "walk.toml") +
@@ -258,6 +302,7 @@ std::string render_loop_report(const std::string& robot, const LoopOptions& opti
       header(robot, result) + report::section("answer", "Result so far", answer(result)) +
       report::section("triangle", "Prediction errors of each model on each walk", triangle_html(result)) +
       report::section("over-rounds", "Error and distance over rounds", over_rounds(result)) +
+      report::section("last-trial", "The last walk: robot and simulation", last_trial(result)) +
       report::section("rounds", "Rounds, the last one first", rounds);
   return report::render(page);
 }

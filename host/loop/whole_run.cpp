@@ -15,9 +15,9 @@ namespace {
 using biped::kJoints;
 using floating::Machine;
 
-constexpr double kRow_s = 0.01;                    // 100 Hz, as document 000 records
-constexpr std::size_t kNumbers = 2 * kJoints + 3;  // of a row
-constexpr double kMoved_rad = 1e-3;                // a target that has left its place
+constexpr double kRow_s = 0.01;  // 100 Hz, as document 000 records
+constexpr std::size_t kNumbers = BesideSimulation::kNumbers;
+constexpr double kMoved_rad = 1e-3;  // a target that has left its place
 constexpr double kLongestStart_s = 0.5;
 
 using Numbers = std::array<double, kNumbers>;
@@ -53,35 +53,46 @@ std::size_t beginning(const std::vector<Row>& rows) {
 /// Difference of angles, within a half turn.
 double apart(double a, double b) { return std::remainder(a - b, 2.0 * std::numbers::pi); }
 
-/// Sum of squares over the rows of a recording, and their number.
-struct Squares {
-  double sum = 0.0;
-  std::size_t rows = 0;
-};
-Squares squares_of(const floating::Recording& recording, const walk::Trace& trace) {
+/// Calls `see` with the time of each row, what was measured, and what was simulated then.
+template <class See>
+void each_row(const floating::Recording& recording, const walk::Trace& trace, const See& see) {
   const std::size_t from = beginning(recording.rows), begin = beginning(trace.rows);
   const double measured_yaw = numbers_of(recording.rows[from]).back(),
                yaw = numbers_of(trace.rows[begin]).back();
-  Squares out;
-  for (std::size_t k = from; k < recording.rows.size(); ++k, ++out.rows) {
-    const double at = (recording.rows[k].time_s - recording.rows[from].time_s) / kRow_s;
+  for (std::size_t k = from; k < recording.rows.size(); ++k) {
+    const double time_s = recording.rows[k].time_s - recording.rows[from].time_s, at = time_s / kRow_s;
     const std::size_t before = std::min(begin + static_cast<std::size_t>(at), trace.rows.size() - 1);
     const std::size_t after = std::min(before + 1, trace.rows.size() - 1);
     const double share = at - std::floor(at);
     Numbers measured = numbers_of(recording.rows[k]);
     const Numbers a = numbers_of(trace.rows[before]), b = numbers_of(trace.rows[after]);
     measured.back() -= measured_yaw - yaw;
+    Numbers simulated{};
+    for (std::size_t i = 0; i < kNumbers; ++i) simulated[i] = a[i] + share * apart(b[i], a[i]);
+    see(time_s, measured, simulated);
+  }
+}
+
+/// Sum of squares over the rows of a recording, and their number.
+struct Squares {
+  double sum = 0.0;
+  std::size_t rows = 0;
+};
+Squares squares_of(const floating::Recording& recording, const walk::Trace& trace) {
+  Squares out;
+  each_row(recording, trace, [&](double, const Numbers& measured, const Numbers& simulated) {
+    ++out.rows;
     for (std::size_t i = 0; i < kNumbers; ++i) {
-      const double off = apart(measured[i], a[i] + share * apart(b[i], a[i]));
+      const double off = apart(measured[i], simulated[i]);
       out.sum += off * off;
     }
-  }
+  });
   return out;
 }
 
-/// Of each machine on a run. Counts the steps.
-std::vector<Squares> squares_of(const walk::Model& model, const std::vector<Machine>& machines,
-                                const WholeRun& run, unsigned threads, std::uint64_t& steps) {
+/// Of each machine on a run.
+std::vector<walk::Trace> traces_of(const walk::Model& model, const std::vector<Machine>& machines,
+                                   const WholeRun& run, unsigned threads) {
   walk::RolloutOptions options = walk::rollout_of(model, run.walk.mode, run.walk.walk_until_s);
   const auto& rows = run.recording->rows;
   // A simulated walk, too, has a while before its first target moves.
@@ -94,9 +105,14 @@ std::vector<Squares> squares_of(const walk::Model& model, const std::vector<Mach
     members.push_back(walk::member_of(m));
   }
   options.command_delay_s = std::max(machines.front().delay_s, 0.0);  // which no search changes
-  const std::vector<walk::Trace> found = walk::traces(model.robot, members, options, jobs, kRow_s, threads);
+  return walk::traces(model.robot, members, options, jobs, kRow_s, threads);
+}
+
+/// Of each machine on a run. Counts the steps.
+std::vector<Squares> squares_of(const walk::Model& model, const std::vector<Machine>& machines,
+                                const WholeRun& run, unsigned threads, std::uint64_t& steps) {
   std::vector<Squares> out;
-  for (const walk::Trace& trace : found) {
+  for (const walk::Trace& trace : traces_of(model, machines, run, threads)) {
     out.push_back(squares_of(*run.recording, trace));
     steps += trace.rollout.steps;
   }
@@ -156,6 +172,19 @@ std::vector<double> whole_run_errors_rad(const walk::Model& model, const Machine
   std::vector<double> out;
   for (const WholeRun& run : runs)
     out.push_back(root_mean(squares_of(model, {machine}, run, threads, steps).front()));
+  return out;
+}
+
+BesideSimulation beside_simulation(const walk::Model& model, const Machine& machine, const WholeRun& run) {
+  BesideSimulation out;
+  each_row(*run.recording, traces_of(model, {machine}, run, 1).front(),
+           [&](double time_s, const Numbers& measured, const Numbers& simulated) {
+             out.time_s.push_back(time_s);
+             for (std::size_t i = 0; i < kNumbers; ++i) {
+               out.measured_rad[i].push_back(measured[i]);
+               out.simulated_rad[i].push_back(simulated[i]);
+             }
+           });
   return out;
 }
 

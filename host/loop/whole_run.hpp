@@ -3,6 +3,7 @@
 // Unlike a window, a whole simulated walk is driven by the walking controller: its targets differ from the robot's, and when its feet land.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -25,6 +26,16 @@ struct WholeRun {
 /// @param model whose controller the robot has
 std::vector<double> whole_run_errors_rad(const walk::Model& model, const floating::Machine& machine,
                                          const std::vector<WholeRun>& runs, unsigned threads);
+
+/// A recording and the simulated walk beside it, row by row, as Eq. 3 compares them.
+struct BesideSimulation {
+  static constexpr std::size_t kNumbers =
+      2 * biped::kJoints + 3;  ///< joint angles, joint targets, roll, pitch, yaw
+  std::vector<double> time_s;  ///< from where both begin
+  std::array<std::vector<double>, kNumbers> measured_rad, simulated_rad;
+};
+BesideSimulation beside_simulation(const walk::Model& model, const floating::Machine& machine,
+                                   const WholeRun& run);
 
 struct WholeRunOptions {
   walk::MethodKind method = walk::MethodKind::mutation;  ///< named by document 000

@@ -54,6 +54,23 @@ TEST_CASE("a model's training trials are those up to the round that it was ident
   CHECK(loop::Cell{2, 1, 1}.training());
 }
 
+TEST_CASE("the last trial is drawn beside its simulation, and how far they are apart") {
+  loop::LoopResult r = test::sample_loop();
+  const std::string without = loop::render_loop_report("b", options(), r);
+  CHECK_THAT(without, !Contains("id=\"last-trial\""));
+  loop::BesideSimulation& b = r.last_trial.emplace();
+  b.time_s = {0.0, 0.01, 0.02};
+  for (auto* of : {&b.measured_rad, &b.simulated_rad})
+    for (auto& line : *of) line = {0.0, 0.0, 0.0};
+  b.measured_rad[4] = {0.0, 0.03, 0.06};
+  const std::string part = section(loop::render_loop_report("b", options(), r), "last-trial");
+  CHECK(count(part, "<figure") == 4);
+  CHECK_THAT(part, Contains("left, robot") && Contains("left, simulation") && Contains("round_3/log_2.csv"));
+  // Of 12 joints one is off by 60 mrad: the axis ends at 60 / sqrt(12) mrad, 214 units above zero at 226.
+  const double y = 226.0 - 214.0 * 15.0 / (60.0 / std::sqrt(12.0));
+  CHECK_THAT(part, Contains("y1=\"" + std::to_string(y).substr(0, 5)));
+}
+
 TEST_CASE("a triangle is read from loop.json as it was written, however large") {
   loop::LoopResult loop = test::sample_loop();
   for (unsigned model = 3; model <= 100; ++model)

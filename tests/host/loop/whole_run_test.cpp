@@ -80,6 +80,32 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "the rows beside a simulation are those of Eq. 3: a robot that waited, and then did as simulated but for a knee") {
+  const walk::Walk walk = test::found_walk();
+  constexpr std::size_t kWaits = 25, kKnee = dynamics::biped::kKnee;
+  floating::Recording recording = recording_of(model().machine, walk, kWaits);
+  for (floating::Row& row : recording.rows) row.angle_rad[kKnee] += 0.01;
+  const loop::BesideSimulation b = loop::beside_simulation(model(), model().machine, {&recording, walk});
+  CHECK(b.time_s.size() + kWaits <= recording.rows.size());
+  CHECK(b.time_s.front() == 0.0);
+  CHECK(b.time_s.back() == Approx(kRow_s * static_cast<double>(b.time_s.size() - 1)));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < b.measured_rad.size(); ++i) {
+    INFO("number " << i);
+    REQUIRE(b.measured_rad[i].size() == b.time_s.size());
+    REQUIRE(b.simulated_rad[i].size() == b.time_s.size());
+    double most = 0.0, least = 1.0;
+    for (std::size_t k = 0; k < b.time_s.size(); ++k) {
+      const double off = b.measured_rad[i][k] - b.simulated_rad[i][k];
+      most = std::max(most, off), least = std::min(least, off), sum += off * off;
+    }
+    CHECK(most == Approx(i == kKnee ? 0.01 : 0.0).margin(1e-6));
+    CHECK(least == Approx(i == kKnee ? 0.01 : 0.0).margin(1e-6));
+  }
+  CHECK(std::sqrt(sum / (27.0 * static_cast<double>(b.time_s.size()))) == Approx(error_rad(recording, walk)));
+}
+
+TEST_CASE(
     "a search over whole walks lessens Eq. 3, within the ranges, and the same on any number of threads") {
   const walk::Walk walk = test::found_walk();
   floating::Machine truth = model().machine;
