@@ -431,7 +431,7 @@ struct Found {
   double log_posterior = 0.0;
 };
 
-/// Goes on until so many are found, or no more.
+/// Goes on until so many are found, or no more, or twice as many were tried.
 void find(Evidences& evidences, std::size_t most, Found& out) {
   const double prior = std::log(static_cast<double>(out.all.size() + out.causes.size()));
   std::vector<Candidate>& all = out.all;
@@ -440,7 +440,7 @@ void find(Evidences& evidences, std::size_t most, Found& out) {
     return evidences.settle(n) - prior * static_cast<double>(n.unknowns.size() - n.free);
   };
   out.log_posterior = log_posterior(named);
-  while (out.causes.size() < most) {
+  for (std::size_t tried = 0; tried < 2 * most && out.causes.size() < most; ++tried) {
     const std::vector<RandomEffect> effects = evidences(all, named);
     const std::vector<std::size_t> rivals = rivals_of(effects, prior);
     if (rivals.empty()) break;
