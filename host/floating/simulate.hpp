@@ -40,7 +40,7 @@ struct Variant {
   const double* locals;  ///< kLocals of them
   int local = -1;        ///< which is changed; -1: none
   double change = 0.0;
-  int other_leg = -1;  ///< which is changed by as much, too
+  int other_leg = -1;  ///< on a stand, which parts the legs: which is changed by as much, too; -1: none
 };
 
 /// Residuals, measured less predicted, of every run in `out`: kRowSize (count - 1) numbers each, the start's row left out. Runs that differ from
