@@ -13,6 +13,7 @@
 #include "host/cli/progress.hpp"
 #include "host/cli/recordings.hpp"
 #include "host/core/atomic_file.hpp"
+#include "host/core/commands.hpp"
 #include "host/core/message.hpp"
 #include "host/report/html.hpp"
 #include "host/reproduce/reproduction.hpp"
@@ -134,12 +135,12 @@ void run_000(const ReproduceOptions& o) {
     options.progress = [&](double fraction, std::string_view doing) { progress.update(fraction, doing); };
     r = reproduce::reproduce_000(options);
   }
-  std::string command = "furcula reproduce 000 --model '" + o.model + "' --seed " +
+  std::string command = "furcula reproduce 000 --model " + core::shell_word(o.model) + " --seed " +
                         std::to_string(options.seed) + " --steps " + std::to_string(o.steps) +
                         " --case-steps " + std::to_string(o.case_steps);
-  for (const std::string& file : o.walks) command += " --walk '" + file + "'";
-  for (const std::string& loop : o.loops) command += " --loop '" + loop + "'";
-  command += " --out '" + o.out + "'";
+  for (const std::string& file : o.walks) command += " --walk " + core::shell_word(file);
+  for (const std::string& loop : o.loops) command += " --loop " + core::shell_word(loop);
+  command += " --out " + core::shell_word(o.out);
   std::vector<core::NewFile> files{
       {o.out + "/reproduction.json", reproduce::to_json_text(r)},
       {o.out + "/report.html", reproduce::render_walk_reproduction_report(r, command)}};

@@ -123,7 +123,7 @@ CrossPrediction predicted_across(const LoopStudyOptions& options, const walk::Mo
   std::vector<floating::Recording> both = recordings_of(active, true);
   for (floating::Recording& r : recordings_of(semi, false)) both.push_back(std::move(r));
   identify.progress = [&](double fraction, const std::string& doing) {
-    if (options.progress) options.progress(0.1 + 0.9 * fraction, "loops of both modes together: " + doing);
+    if (options.progress) options.progress(fraction, "loops of both modes together: " + doing);
   };
   out.together = errors_of(floating::identify(model.machine, both, identify).machine);
   return out;
@@ -170,7 +170,10 @@ std::vector<Row> rows_of(const LoopStudy& study) {
     };
     const auto first = std::find_if(rounds.begin(), rounds.end(), [](const auto& r) { return r.walks; });
     add("identifications until a walk on the robot", "", semi_passive(l) ? "10 for three walks" : "2",
-        first == rounds.end() ? kNothing : static_cast<double>(first - rounds.begin()));
+        // A loop with --identify none counts searches.
+        first == rounds.end() || first - rounds.begin() > static_cast<std::ptrdiff_t>(identified(l))
+            ? kNothing
+            : static_cast<double>(first - rounds.begin()));
     add("Eq. 3 of the first walk, model as given", "mrad", milli(printed[0][0]),
         whole_run_mrad(l.result, 0, 1));
     if (identified(l) == 0) continue;

@@ -218,9 +218,10 @@ WalkReproduction reproduce_000(const WalkStudyOptions& options) {
   constexpr std::array kModes{WalkMode::active, WalkMode::semi_passive};
   for (std::size_t k = 0; k < kModes.size(); ++k) {
     StudiedWalk w{kModes[k], false, {}, {}, {}, {}, {}, {}};
-    const double from = 0.5 * static_cast<double>(k);
+    // Half of the bar is that of the loops, if there are any.
+    const double part = options.loops.empty() ? 0.5 : 0.25, from = part * static_cast<double>(k);
     const auto tell = [&](double share, const std::string& doing) {
-      if (options.progress) options.progress(from + 0.5 * share, name_of(w.mode) + ": " + doing);
+      if (options.progress) options.progress(from + part * share, name_of(w.mode) + ": " + doing);
     };
     const walk::RolloutOptions rollout = rollout_of(out.model, w.mode);
     const auto given = std::find_if(options.walks.begin(), options.walks.end(),
@@ -259,7 +260,11 @@ WalkReproduction reproduce_000(const WalkStudyOptions& options) {
   out.omissions = omissions_of_000(!options.loops.empty());
   add_rows(out);
   if (!options.loops.empty()) {
-    out.loops = study_loops({options.model, options.loops, options.threads, options.progress});
+    LoopStudyOptions study{options.model, options.loops, options.threads, {}};
+    study.progress = [&](double share, std::string_view doing) {
+      if (options.progress) options.progress(0.5 + 0.5 * share, doing);
+    };
+    out.loops = study_loops(study);
     for (Row& row : rows_of(out.loops)) out.rows.push_back(std::move(row));
   }
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -116,6 +116,21 @@ TEST_CASE(
   CHECK(c.log == semi + "/round_1/log_1.csv");
   CHECK(c.given.whole_run_rad < 1e-3);
   CHECK(c.active.whole_run_rad > 5.0 * c.given.whole_run_rad);
+  // "All other recordings" are the active one alone: the walk that is predicted is not in the fit.
+  loop::Request request;
+  request.log = active + "/round_1/log_1.csv";
+  floating::IdentifyOptions alone = options.identify;
+  alone.settings.threads = 2;
+  const walk::Model given = walk::read_model(kModel);
+  const floating::Machine other =
+      floating::identify(given.machine, {loop::read_recording(request.log, request)}, alone).machine;
+  request.log = c.log;
+  floating::Recording predicted = loop::read_recording(request.log, request);
+  const double expected_rad =
+      loop::whole_run_errors_rad(given, other, {{&predicted, walk::read_walk(semi + "/round_1/walk.toml")}},
+                                 1)
+          .front();
+  CHECK(c.together.whole_run_rad == expected_rad);
   CHECK(c.together.whole_run_rad < c.active.whole_run_rad);
   CHECK(loop::model_error_rad(c.given.windows) < loop::model_error_rad(c.active.windows));
   const std::vector<reproduce::Row> rows = reproduce::rows_of(study);
