@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string_view>
 
 #include "host/core/parallel.hpp"
 
@@ -81,21 +80,19 @@ void put(const Difference& d, const Eigen::VectorXd& difference, Eigen::MatrixXd
   }
 }
 
-/// Runs of the unknowns; `parted`: the legs are.
+/// Runs of the unknowns; where the legs are parted, one of the left leg with one of the right.
 std::vector<Difference> differences(const std::vector<Unknown>& unknowns, bool parted) {
-  constexpr std::string_view kLeft = "left_", kRight = "right_";
   std::vector<Difference> out;
-  std::vector<bool> done(unknowns.size(), false);
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    if (done[i]) continue;
-    Difference d{i, std::nullopt};
-    const Unknown& u = unknowns[i];
-    for (std::size_t k = 0; parted && !d.right && u.location.starts_with(kLeft) && k < unknowns.size(); ++k)
-      if (!done[k] && unknowns[k].kind == u.kind && unknowns[k].location.starts_with(kRight) &&
-          unknowns[k].location.substr(kRight.size()) == u.location.substr(kLeft.size()))
-        d.right = k, done[k] = true;
-    out.push_back(d);
-  }
+  std::vector<std::size_t> right;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (parted && unknowns[i].location.starts_with("right_"))
+      right.push_back(i);
+    else
+      out.push_back({i, std::nullopt});
+  auto next = right.begin();
+  for (Difference& d : out)
+    if (next != right.end() && unknowns[d.column].location.starts_with("left_")) d.right = *next++;
+  for (; next != right.end(); ++next) out.push_back({*next, std::nullopt});
   return out;
 }
 
