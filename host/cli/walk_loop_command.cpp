@@ -80,9 +80,10 @@ void add_walk_loop_command(CLI::App& walk) {
   auto o = std::make_shared<WalkLoopOptions>();
   o->loop.threads = 0;
   CLI::App* command = walk.add_subcommand(
-      "loop", "A walk on the robot, the model identified from it, the walk searched again: until it walks");
+      "loop",
+      "The model identified from the robot's recordings, a walk searched about it and tried: until the robot walks");
   command->add_option("--model", o->loop.model, "Model file of kind biped")->required();
-  command->add_option("--walk", o->loop.walk, "walk.toml of the first trial")->required();
+  command->add_option("--walk", o->loop.walk, "walk.toml to begin with")->required();
   command
       ->add_option(
           "--robot", o->loop.robot,
@@ -97,7 +98,8 @@ void add_walk_loop_command(CLI::App& walk) {
   command
       ->add_option(
           "--exercise-s", o->loop.exercise_s,
-          "Before the first walk (round 0) the robot moves its legs on its stand for so long; 0: it does not")
+          "Before the first walk (round 0) the robot moves its legs on its stand for so long, and the first walk is searched "
+          "about what is identified from it; 0: it does not, and the first walk is --walk")
       ->capture_default_str();
   command->add_option("--repetitions", o->repetitions, "Trials of a walk")->capture_default_str();
   command->add_option("--steps", o->steps, "Of a search, in steps of simulation")->capture_default_str();

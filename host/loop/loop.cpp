@@ -93,8 +93,13 @@ class Loop {
       write_json();
     }
     if (o_.exercise_s > 0.0) exercise();
-    write_once(walk_file(1), walk::format_walk(first_));
-    for (unsigned round = 1;; ++round) {
+    if (begins_identified()) {
+      identify(0);
+      search(0);
+    } else {
+      write_once(walk_file(1), walk::format_walk(first_));
+    }
+    for (unsigned round = 1; result_.ended.empty(); ++round) {
       try_walk(round, model_of(round - 1));
       result_.walks = result_.rounds.back().walks;
       write_news();
@@ -102,7 +107,6 @@ class Loop {
       if (o_.identify_by != IdentifyBy::none) identify(round);
       write_news();
       search(round);
-      if (!result_.ended.empty()) break;
     }
     write();
     return std::move(result_);
@@ -113,9 +117,16 @@ class Loop {
   static std::string folder(unsigned round) { return "round_" + std::to_string(round); }
   std::string walk_file(unsigned round) const { return in(folder(round) + "/walk.toml"); }
   std::string model_file(unsigned round) const { return in(folder(round) + "/identified_model.toml"); }
-  /// After a round; 0: as given.
+  /// Whether the first walk is searched about what the exercise tells.
+  bool begins_identified() const { return o_.exercise_s > 0.0 && o_.identify_by == IdentifyBy::windows; }
+  /// After which a model is identified and a walk searched.
+  unsigned first_round() const { return begins_identified() ? 0 : 1; }
+  bool identifies(unsigned round) const {
+    return o_.identify_by != IdentifyBy::none && round >= first_round();
+  }
+  /// After a round.
   walk::Model model_of(unsigned round) const {
-    return round == 0 || o_.identify_by == IdentifyBy::none ? given_ : walk::read_model(model_file(round));
+    return identifies(round) ? walk::read_model(model_file(round)) : given_;
   }
   walk::WalkMode mode() const { return o_.mode.value_or(first_.mode); }
   void say(unsigned round, const std::string& line) const {
@@ -135,7 +146,7 @@ class Loop {
   walk::SearchOptions search_options(unsigned round, const walk::Model& model, const walk::Walk& from) const {
     walk::SearchOptions out;
     out.rollout = walk::rollout_of(model, mode(), from.walk_until_s);
-    out.seed = o_.seed + round - 1;
+    out.seed = o_.seed + round - first_round();
     out.start = from.parameters;
     walk::EnsembleOptions ensemble = o_.ensemble;
     ensemble.seed = out.seed;
@@ -146,7 +157,8 @@ class Loop {
   }
 
   walk::Settings settings() const {
-    walk::Settings out = walk::settings_of(given_, search_options(1, given_, first_), "furcula walk loop");
+    walk::Settings out =
+        walk::settings_of(given_, search_options(first_round(), given_, first_), "furcula walk loop");
     biped::Machine design;
     design.robot = given_.undeviated;
     out.emplace_back("the model's [deviations], as a hash",
@@ -169,7 +181,8 @@ class Loop {
   }
   void write() const {
     write_json();
-    core::write_file_atomically(in("report.html"), render_loop_report(given_.name, o_, result_));
+    if (!result_.rounds.empty())
+      core::write_file_atomically(in("report.html"), render_loop_report(given_.name, o_, result_));
   }
   void write_news() const {
     if (news_) write();
@@ -204,7 +217,7 @@ class Loop {
     r.walk = folder(round) + "/walk.toml";
     r.simulated = walk::run_walk(model.robot, rollout, walk.parameters);
     r.asked_m = std::max(kLeastWay_m, kWayShare * r.simulated.distance_m);
-    if (round == 1)
+    if (round == 1 && !begins_identified())
       say(1, "in simulation of the model as given: " + simulated_in_words(r.simulated, model.limits));
     else
       say(round - 1, "next: " + r.walk + ", in simulation of the identified model: " +
@@ -221,8 +234,8 @@ class Loop {
       say(round, t.log + ": " + in_words(t.outcome, rollout.time_s));
       r.trials.push_back(std::move(t));
       recordings_.push_back(std::move(recording));
-      predict(0, given_, round, k, 0.0);
-      if (round > 1 && o_.identify_by != IdentifyBy::none) predict(round - 1, model, round, k, 0.5);
+      predict(kGiven, given_, round, k, 0.0);
+      if (identifies(round - 1)) predict(static_cast<int>(round) - 1, model, round, k, 0.5);
     }
     result_.last_trial = beside_simulation(given_, model.machine, whole_run(round, o_.repetitions));
     const auto walked =
@@ -241,8 +254,8 @@ class Loop {
       else
         fit_windows(round);
     }
-    Round& r = result_.rounds.back();
-    read_identification(json, r);
+    Identification& r = (round == 0 ? result_.of_exercise : result_.rounds.back().identification)
+                            .emplace(read_identification(json));
     for (const NamedCause& c : r.causes)
       say(round, "cause: " + c.name + ", about " + core::rounded(c.deviation, 3) + " " + c.unit +
                      ", confidence " + core::rounded(c.confidence, 2));
@@ -250,10 +263,10 @@ class Loop {
     if (r.whole_run_rad)
       say(round, "model error (Eq. 3) over whole walks: " + core::rounded(1e3 * r.whole_run_rad->first, 3) +
                      " to " + core::rounded(1e3 * r.whole_run_rad->second, 3) + " mrad");
-    say(round, errors_in_words(*r.given, *r.identified));
+    say(round, errors_in_words(r.given, r.identified));
     const walk::Model model = walk::read_model(model_file(round));
     for (unsigned k = 0; k < round * o_.repetitions; ++k)
-      predict(round, model, 1 + k / o_.repetitions, 1 + k % o_.repetitions,
+      predict(static_cast<int>(round), model, 1 + k / o_.repetitions, 1 + k % o_.repetitions,
               static_cast<double>(k) / (round * o_.repetitions));
   }
 
@@ -263,7 +276,7 @@ class Loop {
   void fit_windows(unsigned round) {
     floating::IdentifyOptions options = o_.identify;
     options.settings.threads = o_.threads;
-    if (round > 1) options.start = walk::read_model(model_file(round - 1)).machine;
+    if (round > first_round()) options.start = walk::read_model(model_file(round - 1)).machine;
     options.progress = [&](double fraction, const std::string& doing) {
       if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
     };
@@ -316,21 +329,20 @@ class Loop {
     const auto gone = std::erase_if(result_.triangle, [&](const auto& of) {
       const Cell& c = of.first;
       return !fs::exists(request(c.round, c.repetition).log) ||
-             (c.model > 0 && !fs::exists(model_file(c.model)));
+             (c.model != kGiven && !fs::exists(model_file(static_cast<unsigned>(c.model))));
     });
     if (gone > 0) write_json();
   }
 
   /// A model's errors on a trial, unless they are there already.
-  void predict(unsigned number, const walk::Model& model, unsigned round, unsigned repetition,
-               double fraction) {
+  void predict(int number, const walk::Model& model, unsigned round, unsigned repetition, double fraction) {
     const Cell cell{number, round, repetition};
     if (result_.triangle.contains(cell)) return;
     const floating::Recording& recording = recordings_[(round - 1) * o_.repetitions + repetition - 1];
     if (o_.progress)
       o_.progress(fraction, "round " + std::to_string(result_.rounds.size()) + ": errors of the model " +
-                                (number == 0 ? "as given" : "of round " + std::to_string(number)) + " on " +
-                                recording.file);
+                                (number == kGiven ? "as given" : "of round " + std::to_string(number)) +
+                                " on " + recording.file);
     floating::IdentifyOptions options = o_.identify;
     options.settings.threads = o_.threads;
     CellErrors errors{
@@ -342,38 +354,41 @@ class Loop {
     write();
   }
 
-  /// Of the rounds' walks so far the one with which a search does best to begin: by its own objective.
-  unsigned best_walk(unsigned rounds, const walk::Model& model, const walk::SearchOptions& options) const {
+  /// In round 0 the walk as given.
+  std::string walk_of(unsigned round) const { return round == 0 ? o_.walk : walk_file(round); }
+  /// Of the walks so far the one with which a search does best to begin: by its own objective.
+  unsigned best_walk(unsigned last, const walk::Model& model, const walk::SearchOptions& options) const {
     const auto robots = options.ensemble.size();
     const double asked_s = options.rollout.time_s;
     std::vector<walk::Job> alone, others;
-    for (unsigned round = 1; round <= rounds; ++round) {
-      alone.push_back({walk::read_walk(walk_file(round)).parameters, 0});
+    const unsigned first = first_round();
+    for (unsigned round = first; round <= last; ++round) {
+      alone.push_back({walk::read_walk(walk_of(round)).parameters, 0});
       for (std::size_t k = 0; k < robots; ++k) others.push_back({alone.back().walk, k});
     }
     const auto on_robot = walk::run_jobs(model.robot, {}, options.rollout, alone, o_.threads),
                on_others = walk::run_jobs(model.robot, options.ensemble, options.rollout, others, o_.threads);
-    unsigned best = rounds;
+    std::size_t best = alone.size() - 1;
     double least = std::numeric_limits<double>::infinity();
-    for (unsigned round = rounds; round > 0; --round) {
-      const walk::Rollout& own = on_robot[round - 1];
+    for (std::size_t i = alone.size(); i-- > 0;) {
+      const walk::Rollout& own = on_robot[i];
       double value = own.value(asked_s);
       if (own.ending == walk::Ending::stands) {
-        for (std::size_t k = 0; k < robots; ++k) value += on_others[(round - 1) * robots + k].value(asked_s);
+        for (std::size_t k = 0; k < robots; ++k) value += on_others[i * robots + k].value(asked_s);
         value /= static_cast<double>(robots + 1);
       }
-      if (value < least) best = round, least = value;
+      if (value < least) best = i, least = value;
     }
-    return best;
+    return first + static_cast<unsigned>(best);
   }
 
   void search(unsigned round) {
     if (fs::exists(walk_file(round + 1))) return;
     constexpr std::uint64_t kMost = 3;  // times the steps asked for
     const walk::Model model = model_of(round);
-    walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_file(round)));
+    walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_of(round)));
     walk::require_posture(model, options.rollout);
-    const std::string from = walk_file(best_walk(round, model, options));
+    const std::string from = walk_of(best_walk(round, model, options));
     options.start = walk::read_walk(from).parameters;
     options.progress = [&](double fraction, const std::string& doing) {
       if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);

@@ -1,9 +1,10 @@
 // Walk on the robot, identify, search the walk again on the identified robot and others about it, and so on (document 000, section IV).
 //
-// Before the first walk the robot moves its legs on its stand, which identifications use, too.
+// Before the first walk the robot moves its legs on its stand. All identifications have this recording; from it alone the model is identified about which
+// the first walk is searched.
 //
-// Files in `out` are what a loop goes on from: round_0/walk.toml and log_1.csv of this exercise, round_1/walk.toml, round_1/log_1.csv ...,
-// round_1/identified_model.toml with identification.json and .html, round_2/walk.toml with walk.json and report.html, ... A file that is there is
+// Files in `out` are what a loop goes on from: round_0/walk.toml and log_1.csv of this exercise, round_0/identified_model.toml with identification.json
+// and .html, round_1/walk.toml with walk.json and report.html, round_1/log_1.csv ..., round_1/identified_model.toml ... A file that is there is
 // whole, and its step is done. loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
 #pragma once
 
@@ -42,9 +43,10 @@ struct LoopOptions {
   std::string model, walk, robot, out;
   unsigned rounds = 3, repetitions = 1;
   std::optional<walk::WalkMode> mode;  ///< of searches; without it the walk's
-  double exercise_s = 10.0;            ///< on the stand, before the first walk; 0: none
-  std::uint64_t steps = 200'000'000;   ///< of a search
-  walk::EnsembleOptions ensemble;      ///< other robots of a search, with a seed of each round's
+  /// On the stand, before the first walk; 0: none, and the first walk is `walk`.
+  double exercise_s = 10.0;
+  std::uint64_t steps = 200'000'000;  ///< of a search
+  walk::EnsembleOptions ensemble;     ///< other robots of a search, with a seed of each round's
   IdentifyBy identify_by = IdentifyBy::windows;
   std::uint64_t seed = 1;  ///< of the first search; each later one has the next
   unsigned threads = 1;
@@ -66,23 +68,28 @@ struct NamedCause {
   double deviation = 0.0, confidence = 0.0;
 };
 
-struct Round {
-  std::string walk;         ///< its file in `out`
-  walk::Rollout simulated;  ///< of the walk on the model that it was searched on
-  double asked_m = 0.0;     ///< the least way of a trial that walks
-  std::vector<TrialResult> trials;
-  bool walks = false;
-  /// Of the model as given and as identified from all trials so far.
-  std::optional<floating::WindowErrors> given, identified;
+struct Identification {
+  /// Of the model as given and as identified, on what it was identified from.
+  floating::WindowErrors given, identified;
   std::vector<NamedCause> causes;
   bool all_numbers_deviate = false;  ///< as of floating::Causes
   /// Eq. 3 over all trials so far, before and after a search over whole walks, rad.
   std::optional<std::pair<double, double>> whole_run_rad;
 };
 
+struct Round {
+  std::string walk;         ///< its file in `out`
+  walk::Rollout simulated;  ///< of the walk on the model that it was searched on
+  double asked_m = 0.0;     ///< the least way of a trial that walks
+  std::vector<TrialResult> trials;
+  bool walks = false;
+  std::optional<Identification> identification;  ///< from all trials so far
+};
+
 struct LoopResult {
-  std::string exercise;       ///< its log in `out`; empty: none
-  std::vector<Round> rounds;  ///< the last one has trials alone
+  std::string exercise;                       ///< its log in `out`; empty: none
+  std::optional<Identification> of_exercise;  ///< from its log alone
+  std::vector<Round> rounds;                  ///< the last one has trials alone
   Triangle triangle;
   bool walks = false;  ///< the last walk does
   std::string ended;   ///< where no walk to try was found, why
@@ -100,9 +107,9 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
 walk::Settings settings_in(const std::string& path);
 /// Of a loop.json without a triangle, none. @throws core::DataError: not a loop.json.
 Triangle triangle_in(const std::string& path);
-/// Walks, trials, training errors and triangle of a loop.json: not causes and simulations. @throws core::DataError: not a loop.json.
+/// Walks, trials, identifications but for their causes, and triangle of a loop.json: no simulations. @throws core::DataError: not a loop.json.
 LoopResult loop_in(const std::string& path);
-/// Errors and causes of an identification.json. @throws core::DataError
-void read_identification(const std::string& path, Round& round);
+/// Of an identification.json. @throws core::DataError
+Identification read_identification(const std::string& path);
 
 }  // namespace furcula::loop

@@ -39,6 +39,31 @@ floating::WindowErrors errors_in(const Json& j) {
   return out;
 }
 
+Json identification(const std::optional<Identification>& of) {
+  const Identification i = of.value_or(Identification{});
+  Json causes = Json::array();
+  for (const NamedCause& c : i.causes)
+    causes.push_back({{"name", c.name},
+                      {"unit", c.unit.empty() ? Json(nullptr) : Json(c.unit)},
+                      {"deviation", number(c.deviation)},
+                      {"confidence", number(c.confidence)}});
+  return {{"training",
+           of ? Json{{"given", errors(i.given)}, {"identified", errors(i.identified)}} : Json(nullptr)},
+          {"whole_run", i.whole_run_rad ? Json{{"start_rad", i.whole_run_rad->first},
+                                               {"identified_rad", i.whole_run_rad->second}}
+                                        : Json(nullptr)},
+          {"causes", causes},
+          {"all_numbers_deviate", i.all_numbers_deviate}};
+}
+/// Not its causes.
+std::optional<Identification> identification_in(const Json& j) {
+  if (j.at("training").is_null()) return {};
+  Identification out;
+  out.given = errors_in(j.at("training").at("given"));
+  out.identified = errors_in(j.at("training").at("identified"));
+  return out;
+}
+
 constexpr const char* kLoopJson = "a loop.json of furcula walk loop";
 
 template <class Text>
@@ -61,8 +86,8 @@ Triangle triangle_of(const Json& j) {
   if (!j.contains("triangle")) return out;
   for (const Json& one : j.at("triangle"))
     if (one.contains("whole_run_rad"))  // else it is calculated again
-      out[{one.at("model"), one.at("round"), one.at("repetition")}] = {errors_in(one),
-                                                                       number_in(one.at("whole_run_rad"))};
+      out[{one.at("model").is_null() ? kGiven : one.at("model").get<int>(), one.at("round"),
+           one.at("repetition")}] = {errors_in(one), number_in(one.at("whole_run_rad"))};
   return out;
 }
 
@@ -80,33 +105,21 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
                         {"distance_m", number(t.outcome.way_m)},
                         {"stands", t.outcome.stands},
                         {"walks", t.walks}});
-    Json causes = Json::array();
-    for (const NamedCause& c : r.causes)
-      causes.push_back({{"name", c.name},
-                        {"unit", c.unit.empty() ? Json(nullptr) : Json(c.unit)},
-                        {"deviation", number(c.deviation)},
-                        {"confidence", number(c.confidence)}});
-    rounds.push_back(
-        {{"walk", r.walk},
-         {"simulated",
-          {{"ending", walk::kEndingNames[static_cast<std::size_t>(r.simulated.ending)]},
-           {"time_s", r.simulated.time_s},
-           {"distance_m", number(r.simulated.distance_m)},
-           {"cot", number(r.simulated.cot)}}},
-         {"asked_m", number(r.asked_m)},
-         {"trials", trials},
-         {"walks", r.walks},
-         {"training",
-          r.given ? Json{{"given", errors(*r.given)}, {"identified", errors(*r.identified)}} : Json(nullptr)},
-         {"whole_run", r.whole_run_rad ? Json{{"start_rad", r.whole_run_rad->first},
-                                              {"identified_rad", r.whole_run_rad->second}}
-                                       : Json(nullptr)},
-         {"causes", causes},
-         {"all_numbers_deviate", r.all_numbers_deviate}});
+    Json round = {{"walk", r.walk},
+                  {"simulated",
+                   {{"ending", walk::kEndingNames[static_cast<std::size_t>(r.simulated.ending)]},
+                    {"time_s", r.simulated.time_s},
+                    {"distance_m", number(r.simulated.distance_m)},
+                    {"cot", number(r.simulated.cot)}}},
+                  {"asked_m", number(r.asked_m)},
+                  {"trials", trials},
+                  {"walks", r.walks}};
+    round.update(identification(r.identification));
+    rounds.push_back(std::move(round));
   }
   Json triangle = Json::array();
   for (const auto& [cell, e] : result.triangle) {
-    Json one{{"model", cell.model},
+    Json one{{"model", cell.model == kGiven ? Json(nullptr) : Json(cell.model)},
              {"round", cell.round},
              {"repetition", cell.repetition},
              {"training", cell.training()},
@@ -115,16 +128,17 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
     one.update(errors(e.windows));
     triangle.push_back(std::move(one));
   }
+  Json exercise;
+  if (!result.exercise.empty()) {
+    exercise = {{"log", result.exercise}};
+    exercise.update(identification(result.of_exercise));
+  }
   Json all = Json::object();
   for (const auto& [name, value] : settings) all[name] = value;
-  return Json{{"schema", kSchema},
-              {"settings", all},
-              {"robot", options.robot},
-              {"exercise", result.exercise.empty() ? Json(nullptr) : Json(result.exercise)},
-              {"rounds", rounds},
-              {"triangle", triangle},
-              {"walks", result.walks},
-              {"ended", result.ended.empty() ? Json(nullptr) : Json(result.ended)}}
+  return Json{{"schema", kSchema},      {"settings", all},
+              {"robot", options.robot}, {"exercise", exercise},
+              {"rounds", rounds},       {"triangle", triangle},
+              {"walks", result.walks},  {"ended", result.ended.empty() ? Json(nullptr) : Json(result.ended)}}
              .dump(1) +
          "\n";
 }
@@ -157,16 +171,15 @@ LoopResult loop_in(const std::string& path) {
   try {
     out.triangle = triangle_of(j);
     out.walks = j.at("walks");
-    if (!j.at("exercise").is_null()) out.exercise = j.at("exercise");
+    if (const Json& exercise = j.at("exercise"); !exercise.is_null())
+      out.exercise = exercise.at("log"), out.of_exercise = identification_in(exercise);
     if (!j.at("ended").is_null()) out.ended = j.at("ended");
     for (const Json& r : j.at("rounds")) {
       Round& round = out.rounds.emplace_back();
       round.walk = r.at("walk");
       round.walks = r.at("walks");
       round.asked_m = number_in(r.at("asked_m"));
-      if (const Json& training = r.at("training"); !training.is_null())
-        round.given = errors_in(training.at("given")),
-        round.identified = errors_in(training.at("identified"));
+      round.identification = identification_in(r);
       for (const Json& t : r.at("trials")) {
         TrialResult& trial = round.trials.emplace_back();
         trial.log = t.at("log");
@@ -200,23 +213,24 @@ std::string to_json_text(const WholeRunFit& found, const floating::Machine& give
   return out.dump(2) + "\n";
 }
 
-void read_identification(const std::string& path, Round& round) {
+Identification read_identification(const std::string& path) {
   constexpr const char* kWhat = "an identification.json of furcula walk identify";
   const Json j = parsed(core::read_small_file(path, kWhat), path, kWhat);
+  Identification out;
   try {
-    round.given = errors_in(j.at("training").at("given"));
-    round.identified = errors_in(j.at("training").at("identified"));
+    out.given = errors_in(j.at("training").at("given"));
+    out.identified = errors_in(j.at("training").at("identified"));
     if (j.contains("whole_run"))
-      round.whole_run_rad = {number_in(j.at("whole_run").at("start_rad")),
-                             number_in(j.at("whole_run").at("identified_rad"))};
-    round.all_numbers_deviate = j.value("all_numbers_deviate", false);
+      out.whole_run_rad = {number_in(j.at("whole_run").at("start_rad")),
+                           number_in(j.at("whole_run").at("identified_rad"))};
+    out.all_numbers_deviate = j.value("all_numbers_deviate", false);
     for (const Json& c : j.at("causes"))
-      round.causes.push_back({c.at("name"),
-                              c.at("unit").is_null() ? std::string() : std::string(c.at("unit")),
-                              c.at("deviation"), c.at("confidence")});
+      out.causes.push_back({c.at("name"), c.at("unit").is_null() ? std::string() : std::string(c.at("unit")),
+                            c.at("deviation"), c.at("confidence")});
   } catch (const Json::exception& e) {
     throw core::DataError(path + ": " + e.what() + "; expected " + kWhat);
   }
+  return out;
 }
 
 }  // namespace furcula::loop

@@ -1,6 +1,7 @@
 // Sections of the page of a loop.
 #include "host/loop/loop_report.hpp"
 
+#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -40,7 +41,7 @@ double mean_distance_m(const Round& r) {
 }
 
 /// Of a model on a round's trials so far, as their root mean square; not a number where none is there.
-double error_on_round_mrad(const LoopResult& result, std::size_t model, std::size_t round) {
+double error_on_round_mrad(const LoopResult& result, int model, std::size_t round) {
   double sum = 0.0, n = 0.0;
   for (const auto& [cell, errors] : result.triangle)
     if (cell.model == model && cell.round == round) {
@@ -48,6 +49,16 @@ double error_on_round_mrad(const LoopResult& result, std::size_t model, std::siz
       sum += e * e, n += 1.0;
     }
   return n > 0.0 ? std::sqrt(sum / n) : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Before that round; kGiven where nothing was.
+int identified_before(const LoopResult& result, std::size_t round) {
+  return round > 1 || result.of_exercise ? static_cast<int>(round) - 1 : kGiven;
+}
+std::string in_words(int model) {
+  return model == kGiven ? "as given"
+         : model == 0    ? "identified from the exercise"
+                         : "identified after round " + std::to_string(model);
 }
 
 std::string header(const std::string& robot, const LoopResult& result) {
@@ -81,13 +92,15 @@ std::string answer(const LoopResult& result) {
     return number(value, 3) + "&#8239;<small>" + unit + "</small>";
   };
   const std::string on = "walk of round " + std::to_string(round);
-  const double given_mrad = error_on_round_mrad(result, 0, round);
+  const double given_mrad = error_on_round_mrad(result, kGiven, round);
+  const int before = identified_before(result, round);
   std::vector<report::KeyFigure> figures;
   figures.push_back(
-      round > 1 ? report::KeyFigure{"Error on the last walk, not in the fit",
-                                    change(given_mrad, error_on_round_mrad(result, round - 1, round), "mrad"),
-                                    on + ": as given, identified before it"}
-                : report::KeyFigure{"Error of the model as given", figure(given_mrad, "mrad"), on});
+      before != kGiven
+          ? report::KeyFigure{"Error on the last walk, not in the fit",
+                              change(given_mrad, error_on_round_mrad(result, before, round), "mrad"),
+                              on + ": as given, identified before it"}
+          : report::KeyFigure{"Error of the model as given", figure(given_mrad, "mrad"), on});
   figures.push_back({"Distance of the robot",
                      round > 1 ? change(mean_distance_m(first), mean_distance_m(last), "m")
                                : figure(mean_distance_m(last), "m"),
@@ -104,7 +117,10 @@ std::string answer(const LoopResult& result) {
 template <class Value>
 std::string triangle_table(const LoopResult& result, bool links, const Value& value) {
   const std::size_t rounds = result.rounds.size();
-  const std::size_t models = rounds + (result.rounds.back().identified ? 1 : 0);
+  std::vector<int> models{kGiven};
+  if (result.of_exercise) models.push_back(0);
+  for (std::size_t r = 1; r < rounds + (result.rounds.back().identification ? 1 : 0); ++r)
+    models.push_back(static_cast<int>(r));
   std::vector<report::Table::Column> columns{{"Model"}};
   for (std::size_t r = 1; r <= rounds; ++r)
     for (std::size_t k = 1; k <= result.rounds[r - 1].trials.size(); ++k)
@@ -112,13 +128,15 @@ std::string triangle_table(const LoopResult& result, bool links, const Value& va
                              (result.rounds[r - 1].trials.size() > 1 ? ", trial " + std::to_string(k) : ""),
                          true});
   report::Table table(std::move(columns));
-  for (std::size_t m = 0; m < models; ++m) {
-    const std::string name = m == 0 ? "As given" : "Identified after round " + std::to_string(m);
-    std::vector<std::string> cells{m > 0 && links ? link(folder(m) + "identified_model.toml", name) : name};
+  for (const int m : models) {
+    std::string name = in_words(m);
+    name[0] = static_cast<char>(std::toupper(name[0]));
+    std::vector<std::string> cells{
+        m != kGiven && links ? link(folder(static_cast<std::size_t>(m)) + "identified_model.toml", name)
+                             : name};
     for (std::size_t r = 1; r <= rounds; ++r)
       for (std::size_t k = 1; k <= result.rounds[r - 1].trials.size(); ++k) {
-        const auto found = result.triangle.find(
-            {static_cast<unsigned>(m), static_cast<unsigned>(r), static_cast<unsigned>(k)});
+        const auto found = result.triangle.find({m, static_cast<unsigned>(r), static_cast<unsigned>(k)});
         cells.push_back(found == result.triangle.end()
                             ? ""
                             : std::string("<span class=\"cell") +
@@ -164,9 +182,10 @@ std::string over_rounds(const LoopResult& result) {
   };
   for (std::size_t r = 1; r <= result.rounds.size(); ++r) {
     const Round& round = result.rounds[r - 1];
-    add(given, r, error_on_round_mrad(result, 0, r));
-    if (r > 1) add(before, r, error_on_round_mrad(result, r - 1, r));
-    if (round.identified) add(training, r, error_on_round_mrad(result, r, r));
+    add(given, r, error_on_round_mrad(result, kGiven, r));
+    if (const int model = identified_before(result, r); model != kGiven)
+      add(before, r, error_on_round_mrad(result, model, r));
+    if (round.identification) add(training, r, error_on_round_mrad(result, static_cast<int>(r), r));
     for (const TrialResult& t : round.trials) add(robot, r, t.outcome.way_m);
     add(simulated, r, round.simulated.distance_m);
     add(asked, r, round.asked_m);
@@ -219,17 +238,41 @@ std::string last_trial(const LoopResult& result) {
              "leaves its place; a simulated robot that has fallen stays as it is.");
 }
 
+std::string causes_html(const Identification& of, const std::string& from) {
+  if (of.whole_run_rad)
+    return report::paragraph("Identified by a search over whole walks: Eq. 3 over all trials so far " +
+                             number(1e3 * of.whole_run_rad->first, 3) + " to " +
+                             number(1e3 * of.whole_run_rad->second, 3) + " mrad.");
+  const std::string together =
+      of.all_numbers_deviate
+          ? report::paragraph(
+                "The numbers of document 000's tables deviate all together, none by itself. Causes are laws beyond them.")
+          : "";
+  if (of.causes.empty())
+    return together +
+           report::paragraph(
+               of.all_numbers_deviate
+                   ? "Causes: none beyond the tables."
+                   : "Causes: none; no number is likelier to differ from the model as given than not.");
+  report::Table causes({{"Cause"}, {"Deviation, about", true}, {"Confidence", true}});
+  for (const NamedCause& c : of.causes)
+    causes.add({escape(c.name), number(c.deviation, 2) + " " + escape(c.unit), number(c.confidence, 2)},
+               c.confidence > 0.5);
+  return together + "<h4>Causes, " + from + "</h4>\n" + causes.html();
+}
+
 std::string round_html(const LoopResult& result, std::size_t r) {
   const Round& round = result.rounds[r - 1];
-  std::string out = "<h3>Round " + std::to_string(r) + "</h3>\n<p>" + link(round.walk, "walk.toml") +
-                    (r > 1 ? ", " + link(folder(r) + "report.html", "its search") : "") +
-                    (round.identified && !round.whole_run_rad
-                         ? ", " + link(folder(r) + "identification.html", "identification")
-                         : "") +
-                    "</p>\n";
+  std::string out =
+      "<h3>Round " + std::to_string(r) + "</h3>\n<p>" + link(round.walk, "walk.toml") +
+      (identified_before(result, r) != kGiven || r > 1 ? ", " + link(folder(r) + "report.html", "its search")
+                                                       : "") +
+      (round.identification && !round.identification->whole_run_rad
+           ? ", " + link(folder(r) + "identification.html", "identification")
+           : "") +
+      "</p>\n";
   const walk::Rollout& s = round.simulated;
-  out += report::paragraph("In simulation of the model " +
-                           (r == 1 ? "as given" : "identified after round " + std::to_string(r - 1)) + ": " +
+  out += report::paragraph("In simulation of the model " + in_words(identified_before(result, r)) + ": " +
                            (s.ending == walk::Ending::stands ? "stands" : "does not stand") + ", " +
                            core::rounded(s.distance_m, 3) + " m" +
                            (std::isfinite(s.cot) ? ", cost of transport " + core::rounded(s.cot, 3) : "") +
@@ -244,24 +287,7 @@ std::string round_html(const LoopResult& result, std::size_t r) {
                 number(t.outcome.time_s), number(t.outcome.way_m), t.walks ? "yes" : "no"},
                t.walks);
   out += trials.html();
-  if (!round.identified) return out;
-  if (round.whole_run_rad)
-    return out + report::paragraph("Identified by a search over whole walks: Eq. 3 over all trials so far " +
-                                   number(1e3 * round.whole_run_rad->first, 3) + " to " +
-                                   number(1e3 * round.whole_run_rad->second, 3) + " mrad.");
-  if (round.all_numbers_deviate)
-    out += report::paragraph(
-        "The numbers of document 000's tables deviate all together, none by itself. Causes are laws beyond them.");
-  if (round.causes.empty())
-    return out + report::paragraph(
-                     round.all_numbers_deviate
-                         ? "Causes: none beyond the tables."
-                         : "Causes: none; no number is likelier to differ from the model as given than not.");
-  report::Table causes({{"Cause"}, {"Deviation, about", true}, {"Confidence", true}});
-  for (const NamedCause& c : round.causes)
-    causes.add({escape(c.name), number(c.deviation, 2) + " " + escape(c.unit), number(c.confidence, 2)},
-               c.confidence > 0.5);
-  return out + "<h4>Causes, from all trials so far</h4>\n" + causes.html();
+  return round.identification ? out + causes_html(*round.identification, "from all trials so far") : out;
 }
 
 std::string command_of(const LoopOptions& o) {
@@ -297,7 +323,13 @@ std::string render_loop_report(const std::string& robot, const LoopOptions& opti
   for (std::size_t r = result.rounds.size(); r > 0; --r) rounds += round_html(result, r);
   if (!result.exercise.empty())
     rounds += "<h3>Before them</h3>\n<p>The robot moved its legs on its stand: " +
-              link(result.exercise, result.exercise) + ". Each identification has this recording, too.</p>\n";
+              link(result.exercise, result.exercise) +
+              ". Each identification has this recording, too.</p>\n" +
+              (result.of_exercise
+                   ? "<p>The first walk was searched about the model that is identified from it alone: " +
+                         link(folder(0) + "identification.html", "identification") + ".</p>\n" +
+                         causes_html(*result.of_exercise, "from the exercise")
+                   : "");
   page.body_html =
       header(robot, result) + report::section("answer", "Result so far", answer(result)) +
       report::section("triangle", "Prediction errors of each model on each walk", triangle_html(result)) +

@@ -8,12 +8,15 @@
 
 namespace furcula::loop {
 
+constexpr int kGiven = -1;  ///< of Cell::model
+
 /// A model on a trial.
 struct Cell {
-  unsigned model = 0;  ///< 0: as given; n: identified after round n
+  int model =
+      kGiven;  ///< kGiven: as given; n: identified after round n, 0: from the exercise before the first walk
   unsigned round = 1, repetition = 1;
   /// Whether the model was identified from the trial.
-  bool training() const { return round <= model; }
+  bool training() const { return static_cast<int>(round) <= model; }
   bool operator<(const Cell& o) const {
     return std::tie(model, round, repetition) < std::tie(o.model, o.round, o.repetition);
   }

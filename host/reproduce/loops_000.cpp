@@ -132,7 +132,7 @@ CrossPrediction predicted_across(const LoopStudyOptions& options, const walk::Mo
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 /// Mean over a round's trials, mrad.
-double whole_run_mrad(const loop::LoopResult& r, std::size_t model, std::size_t round) {
+double whole_run_mrad(const loop::LoopResult& r, int model, std::size_t round) {
   double sum = 0.0, n = 0.0;
   for (const auto& [cell, e] : r.triangle)
     if (cell.model == model && cell.round == round) sum += 1e3 * e.whole_run_rad, n += 1.0;
@@ -173,16 +173,16 @@ std::vector<Row> rows_of(const LoopStudy& study) {
         // A loop with --identify none counts searches.
         first == rounds.end() || first - rounds.begin() > static_cast<std::ptrdiff_t>(identified(l))
             ? kNothing
-            : static_cast<double>(first - rounds.begin()));
+            : static_cast<double>(first - rounds.begin() + (l.result.of_exercise ? 1 : 0)));
     add("Eq. 3 of the first walk, model as given", "mrad", milli(printed[0][0]),
-        whole_run_mrad(l.result, 0, 1));
+        whole_run_mrad(l.result, loop::kGiven, 1));
     if (identified(l) == 0) continue;
     add("the same, identified from it", "mrad", milli(printed[1][0]), whole_run_mrad(l.result, 1, 1));
     if (rounds.size() < 2) continue;
     add("Eq. 3 of the second walk, identified from the first", "mrad", milli(printed[1][1]),
         whole_run_mrad(l.result, 1, 2));
     add("Eq. 3 of the last walk, not in the fit", "mrad", milli(printed.back().back()),
-        whole_run_mrad(l.result, rounds.size() - 1, rounds.size()));
+        whole_run_mrad(l.result, static_cast<int>(rounds.size()) - 1, rounds.size()));
   }
   if (!study.cross) return rows;
   const CrossPrediction& c = *study.cross;

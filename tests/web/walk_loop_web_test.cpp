@@ -58,19 +58,22 @@ TEST_CASE("the triangle of a loop marks training and trials that stood, and link
     CHECK(seen["page_width"] <= width);
     CHECK(seen["sections"] == nlohmann::json{"answer", "triangle", "over-rounds", "rounds"});
     CHECK(seen["tables"] == 5);
-    CHECK(seen["models"] ==
-          nlohmann::json{"As given", "Identified after round 1", "Identified after round 2"});
+    CHECK(seen["models"] == nlohmann::json{"As given", "Identified from the exercise",
+                                           "Identified after round 1", "Identified after round 2"});
     CHECK(seen["trials"] == nlohmann::json{"Round 1, trial 1", "Round 1, trial 2", "Round 2, trial 1",
                                            "Round 2, trial 2", "Round 3, trial 1", "Round 3, trial 2"});
     CHECK(seen["numbers"] == nlohmann::json{{"111", "112", "121", "122", "131", "132"},
+                                            {"511", "512", "", "", "", ""},
                                             {"211", "212", "221", "222", "", ""},
                                             {"311", "312", "321", "322", "331", "332"}});
-    CHECK(seen["green"] == nlohmann::json{{0, 0, 0, 0, 0, 0}, {1, 1, 0, 0, 0, 0}, {1, 1, 1, 1, 0, 0}});
-    CHECK(seen["framed"] == nlohmann::json{{0, 0, 0, 1, 1, 1}, {0, 0, 0, 1, 0, 0}, {0, 0, 0, 1, 1, 1}});
+    CHECK(seen["green"] ==
+          nlohmann::json{{0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, {1, 1, 0, 0, 0, 0}, {1, 1, 1, 1, 0, 0}});
+    CHECK(seen["framed"] ==
+          nlohmann::json{{0, 0, 0, 1, 1, 1}, {0, 0, 0, 0, 0, 0}, {0, 0, 0, 1, 0, 0}, {0, 0, 0, 1, 1, 1}});
     CHECK(seen["plots"] == 2);
     CHECK(seen["dots"] == 6);
     // Models, walks, searches, identifications, logs of walks and of the exercise.
-    CHECK(seen["links"].size() == 2 + 3 + 2 + 2 + 6 + 1);
+    CHECK(seen["links"].size() == 3 + 3 + 3 + 3 + 6 + 1);
     for (const auto& link : seen["links"]) CHECK(link.get<std::string>().starts_with("round_"));
   }
 }

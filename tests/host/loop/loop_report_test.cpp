@@ -48,6 +48,7 @@ TEST_CASE("the error of a model is that of twelve joints and three turns togethe
 }
 
 TEST_CASE("a model's training trials are those up to the round that it was identified after") {
+  CHECK_FALSE(loop::Cell{loop::kGiven, 1, 1}.training());
   CHECK_FALSE(loop::Cell{0, 1, 1}.training());
   CHECK(loop::Cell{1, 1, 2}.training());
   CHECK_FALSE(loop::Cell{1, 2, 1}.training());
@@ -73,10 +74,10 @@ TEST_CASE("the last trial is drawn beside its simulation, and how far they are a
 
 TEST_CASE("a triangle is read from loop.json as it was written, however large") {
   loop::LoopResult loop = test::sample_loop();
-  for (unsigned model = 3; model <= 100; ++model)
-    for (unsigned round = 1; round <= model + 1; ++round)
+  for (int model = 3; model <= 100; ++model)
+    for (unsigned round = 1; round <= static_cast<unsigned>(model) + 1; ++round)
       loop.triangle[{model, round, 1}].windows.angle_rad = 1.0 / (model + round);
-  loop.triangle.at({0, 1, 1}).windows.gyro_radps = std::nan("");
+  loop.triangle.at({loop::kGiven, 1, 1}).windows.gyro_radps = std::nan("");
   const test::TemporaryFolder folder;
   const std::string text = loop::to_json_text({}, options(), loop);
   CHECK(text.size() > 1 << 20);  // what other files of settings may have
@@ -87,7 +88,7 @@ TEST_CASE("a triangle is read from loop.json as it was written, however large") 
     CHECK(read.at(cell).windows.windows == errors.windows.windows);
     CHECK(read.at(cell).whole_run_rad == errors.whole_run_rad);
   }
-  CHECK(std::isnan(read.at({0, 1, 1}).windows.gyro_radps));
+  CHECK(std::isnan(read.at({loop::kGiven, 1, 1}).windows.gyro_radps));
   CHECK(loop::triangle_in(folder.file("old.json", "{\"schema\": \"furcula-walk-loop/1\"}")).empty());
   // Of a file without errors over whole walks they are computed again.
   CHECK(
@@ -105,7 +106,8 @@ TEST_CASE("the page of a loop has each model and each trial once, with their mar
   const std::string first = triangle.substr(0, triangle.find("</table>"));
   CHECK(count(first, "As given") == 1);
   CHECK(count(first, "Identified after round") == 2);
-  for (const char* name : {"round_1/", "round_2/"})
+  CHECK(count(first, "Identified from the exercise") == 1);
+  for (const char* name : {"round_0/", "round_1/", "round_2/"})
     CHECK(count(page, "href=\"" + std::string(name) + "identified_model.toml\"") == 1);
   CHECK(count(rounds, "href=\"round_0/log_1.csv\"") == 1);
   CHECK(count(page, "round_3/identified_model.toml") == 0);
@@ -115,14 +117,14 @@ TEST_CASE("the page of a loop has each model and each trial once, with their mar
       CHECK(count(first, ">Round " + std::to_string(r) + ", trial " + std::to_string(k) + "<") == 1);
       CHECK(count(page, "href=\"round_" + std::to_string(r) + "/log_" + std::to_string(k) + ".csv\"") == 1);
     }
-  // Trials by model: 6 as given, 2 + 2 of the first, 2 + 2 + 2 of the second.
-  CHECK(count(first, "class=\"cell") == 16);
+  // Trials by model: 6 as given, 2 from the exercise, 2 + 2 of the first, 2 + 2 + 2 of the second.
+  CHECK(count(first, "class=\"cell") == 18);
   CHECK(count(first, " training") == 2 + 4);
   // Trials that stood: 3 of all six, 1 of the first four, 3 of all six.
   CHECK(count(first, " stood") == 3 + 1 + 3);
   CHECK_THAT(first, Contains("cell\">111<") && Contains("cell training\">211<") &&
                         Contains("cell stood\">222<") && Contains("cell training stood\">322<") &&
-                        Contains("cell stood\">331<"));
+                        Contains("cell stood\">331<") && Contains("cell\">512<"));
   const std::string whole = triangle.substr(triangle.find("Whole walks"));
   CHECK_THAT(whole, Contains("cell training\">2110<") && Contains("cell stood\">3310<"));
   CHECK(count(first, ">231<") == 0);  // the model of round 1 on a walk that comes later
@@ -131,6 +133,11 @@ TEST_CASE("the page of a loop has each model and each trial once, with their mar
                          Contains("falls after 2.60 s") && Contains("cost of transport 1.75") &&
                          Contains("cost of transport 3.75") && Contains("Causes: none beyond the tables"));
   CHECK(count(rounds, "deviate all together") == 1);
+  const std::string before = rounds.substr(rounds.find("Before them"));
+  CHECK_THAT(before, Contains("command_delay@drives") && Contains("0.012 s") &&
+                         Contains("round_0/identification.html"));
+  CHECK_THAT(rounds, Contains("In simulation of the model identified from the exercise: stands") &&
+                         Contains("In simulation of the model identified after round 2: stands"));
   CHECK_THAT(page, Contains("The robot walks with the walk of round 3."));
   CHECK(count(page, "<svg") == 2);
   CHECK(count(page, "<b>") == 0);
@@ -141,9 +148,10 @@ TEST_CASE("the page of a loop's first trial says what is there already") {
   loop::LoopResult begun = test::sample_loop();
   begun.rounds.resize(1);
   begun.rounds[0].trials.resize(1);
-  begun.rounds[0].identified.reset();
+  begun.rounds[0].identification.reset();
+  begun.of_exercise.reset();
   begun.walks = false;
-  begun.triangle = {{{0, 1, 1}, begun.triangle.at({0, 1, 1})}};
+  begun.triangle = {{{loop::kGiven, 1, 1}, begun.triangle.at({loop::kGiven, 1, 1})}};
   const std::string page = loop::render_loop_report("robot", options(), begun);
   CHECK_THAT(page, Contains("0 of 1 trials of round 1 stand and get at least 0.625 m"));
   CHECK(count(page, "class=\"cell") == 1 + 1 + 3);
@@ -152,6 +160,8 @@ TEST_CASE("the page of a loop's first trial says what is there already") {
   more.triangle[{1, 1, 1}].windows.angle_rad = 7.77e-3;
   CHECK(loop::render_loop_report("robot", options(), more) == page);
   CHECK(count(page, "Identified after") == 0);
+  CHECK_THAT(page,
+             Contains("In simulation of the model as given: stands") && !Contains("round_1/report.html"));
   begun.triangle.clear();
   CHECK(count(loop::render_loop_report("robot", options(), begun), "id=\"triangle\"") == 0);
 }

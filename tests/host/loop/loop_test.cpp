@@ -144,8 +144,9 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   CHECK(bench.trials() == 2);  // that of the next walk
   CHECK_FALSE(r.walks);
   REQUIRE(r.rounds.size() == 2);
-  CHECK(r.rounds[0].given->windows > 0);
-  CHECK(r.rounds[0].identified->angle_rad > 0.0);
+  REQUIRE(r.rounds[0].identification);
+  CHECK(r.rounds[0].identification->given.windows > 0);
+  CHECK(r.rounds[0].identification->identified.angle_rad > 0.0);
   CHECK_THAT(bench.said,
              Contains("windows, RMS as given and identified") &&
                  Contains("round 1: next: round_2/walk.toml, in simulation of the identified model: stands"));
@@ -164,17 +165,17 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   const auto training = test::json_of(bench.in("round_1/identification.json"))["training"];
   const auto& triangle = written["triangle"];
   REQUIRE(triangle.size() == 4);
-  const auto error_of = [&](unsigned model, unsigned round) {
+  const auto error_of = [&](const nlohmann::json& model, unsigned round) {
     for (const auto& one : triangle)
       if (one["model"] == model && one["round"] == round) return one;
     return nlohmann::json();
   };
   for (const char* key : {"windows", "rms_angle_rad", "rms_attitude_rad", "rms_gyro_radps"}) {
-    CHECK(error_of(0, 1)[key] == training["given"][key]);
+    CHECK(error_of(nullptr, 1)[key] == training["given"][key]);
     CHECK(error_of(1, 1)[key].get<double>() ==
           Approx(training["identified"][key].get<double>()).epsilon(1e-3));
   }
-  for (const unsigned model : {0u, 1u})
+  for (const nlohmann::json& model : {nlohmann::json(), nlohmann::json(1)})
     for (const unsigned round : {1u, 2u})
       CHECK(error_of(model, round)["training"] == (model == 1 && round == 1));
 
@@ -182,7 +183,7 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
   const std::string page = test::text_of(bench.in("report.html"));
   const loop::LoopResult again = bench.run();
   CHECK(bench.trials() == 2);
-  CHECK(again.rounds[0].given->angle_rad == r.rounds[0].given->angle_rad);
+  CHECK(again.rounds[0].identification->given.angle_rad == r.rounds[0].identification->given.angle_rad);
   CHECK(bench.errors_computed == 0);
   CHECK(test::json_of(bench.in("loop.json")) == written);
   CHECK(test::text_of(bench.in("report.html")) == page);
@@ -204,12 +205,13 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
 }
 
 TEST_CASE(
-    "before the first walk the robot moves its legs on its stand, and the identification has this recording, too") {
+    "before the first walk the robot moves its legs on its stand: that walk is searched about what is identified from it, and later identifications have it, too") {
   Bench bench;
   bench.options.exercise_s = 4.0;
-  bench.options.robot = bench.robot(kModel, 250);
-  bench.run();
-  CHECK_THAT(bench.said, Contains("round 0: round_0/log_1.csv: 2.4") && Contains("s on the stand"));
+  bench.options.seed = 7;
+  bench.options.robot = bench.robot(kModel, 150);
+  const loop::LoopResult r = bench.run();
+  CHECK_THAT(bench.said, Contains("round 0: round_0/log_1.csv: 1.4") && Contains("s on the stand"));
   CHECK_THAT(test::text_of(bench.in("round_0/walk.toml")), Contains("exercise_s = 4"));
   CHECK_THAT(test::text_of(bench.in("round_1/walk.toml")), !Contains("exercise_s"));
   CHECK_THAT(test::text_of(bench.in("round_1/identification.html")),
@@ -218,8 +220,31 @@ TEST_CASE(
   const auto& knee = log.at("angle_left_knee_rad");
   CHECK(*std::max_element(knee.begin(), knee.end()) - *std::min_element(knee.begin(), knee.end()) > 0.05);
   const auto j = test::json_of(bench.in("loop.json"));
-  CHECK(j["exercise"] == "round_0/log_1.csv");
+  CHECK(j["exercise"]["log"] == "round_0/log_1.csv");
   for (const auto& cell : j["triangle"]) CHECK(cell["round"] >= 1);  // of walks alone
+  // The model of the exercise has the first walk as the first it has not seen.
+  REQUIRE(j["triangle"].size() == 5);
+  CHECK(r.triangle.contains({0, 1, 1}));
+  CHECK_FALSE(r.triangle.contains({0, 2, 1}));
+  CHECK(j["exercise"]["training"] == test::json_of(bench.in("round_0/identification.json"))["training"]);
+  REQUIRE(r.of_exercise);
+  CHECK(r.of_exercise->given.windows > 0);
+  CHECK_THAT(test::text_of(bench.in("round_0/identification.html")), !Contains("round_1/log_1.csv"));
+  CHECK_THAT(bench.said,
+             Contains("round 0: next: round_1/walk.toml, in simulation of the identified model: stands"));
+  // Each search has the next seed, and begins with one of the walks so far: at first with the given one.
+  CHECK(test::json_of(bench.in("round_1/walk.json"))["seed"] == 7);
+  CHECK(test::json_of(bench.in("round_2/walk.json"))["seed"] == 8);
+  CHECK_THAT(test::text_of(bench.in("round_1/report.html")), Contains("--from " + bench.options.walk));
+  CHECK_THAT(test::text_of(bench.in("round_1/report.html")),
+             Contains(bench.in("round_0/identified_model.toml")));
+  // Nothing is left to do.
+  const auto written = test::json_of(bench.in("loop.json"));
+  bench.run();
+  CHECK(bench.trials() == 3);
+  CHECK(bench.errors_computed == 0);
+  CHECK(test::json_of(bench.in("loop.json")) == written);
+  CHECK(loop::loop_in(bench.in("loop.json")).of_exercise);
 
   // A robot that walks instead, and one that hangs instead of walking.
   Bench standing;
@@ -262,18 +287,22 @@ TEST_CASE(
   bench.options.robot = bench.robot(kModel, 250);
   const loop::LoopResult r = bench.run();
   REQUIRE(r.rounds.size() == 2);
-  REQUIRE(r.rounds[0].whole_run_rad);
-  CHECK(r.rounds[0].whole_run_rad->second <= r.rounds[0].whole_run_rad->first);
-  CHECK(r.rounds[0].causes.empty());
+  REQUIRE(r.rounds[0].identification->whole_run_rad);
+  CHECK(r.rounds[0].identification->whole_run_rad->second <=
+        r.rounds[0].identification->whole_run_rad->first);
+  CHECK(r.rounds[0].identification->causes.empty());
   CHECK_THAT(bench.said, Contains("round 1: model error (Eq. 3) over whole walks: "));
   const auto j = test::json_of(bench.in("loop.json"));
   CHECK(j["settings"]["identify"] == "whole_run");
-  CHECK(j["rounds"][0]["whole_run"]["start_rad"].get<double>() == r.rounds[0].whole_run_rad->first);
+  CHECK(j["rounds"][0]["whole_run"]["start_rad"].get<double>() ==
+        r.rounds[0].identification->whole_run_rad->first);
   // The model as given on its own walk, and what was fitted to it: the first two of the triangle.
-  CHECK(j["triangle"][0]["whole_run_rad"].get<double>() == Approx(r.rounds[0].whole_run_rad->first));
+  CHECK(j["triangle"][0]["whole_run_rad"].get<double>() ==
+        Approx(r.rounds[0].identification->whole_run_rad->first));
   for (const auto& cell : j["triangle"])
     if (cell["model"] == 1 && cell["round"] == 1)
-      CHECK(cell["whole_run_rad"].get<double>() == Approx(r.rounds[0].whole_run_rad->second).epsilon(1e-3));
+      CHECK(cell["whole_run_rad"].get<double>() ==
+            Approx(r.rounds[0].identification->whole_run_rad->second).epsilon(1e-3));
   CHECK(bench.has("round_1/identified_model.toml"));
   const auto numbers = test::json_of(bench.in("round_1/identification.json"));
   CHECK(numbers["parameters"].size() > 260);
@@ -285,7 +314,7 @@ TEST_CASE(
   CHECK_THAT(page, Contains("Identified by a search over whole walks"));
   // It goes on with what is there.
   const std::size_t trials = bench.trials();
-  CHECK(bench.run().rounds[0].whole_run_rad == r.rounds[0].whole_run_rad);
+  CHECK(bench.run().rounds[0].identification->whole_run_rad == r.rounds[0].identification->whole_run_rad);
   CHECK(bench.trials() == trials);
 
   Bench none;
@@ -294,10 +323,10 @@ TEST_CASE(
   none.options.robot = none.robot(kModel, 250);
   const loop::LoopResult again = none.run();
   CHECK(again.rounds.size() == 2);
-  CHECK_FALSE(again.rounds[0].identified);
+  CHECK_FALSE(again.rounds[0].identification);
   CHECK_FALSE(none.has("round_1/identified_model.toml"));
   CHECK(none.has("round_2/walk.toml"));
-  for (const auto& [cell, errors] : again.triangle) CHECK(cell.model == 0);
+  for (const auto& [cell, errors] : again.triangle) CHECK(cell.model == loop::kGiven);
   CHECK_THAT(test::text_of(none.in("round_2/report.html")), !Contains("--robust"));
   none.options.identify_by = loop::IdentifyBy::whole_run;
   CHECK_THAT(none.error(), Contains("identify 'none', expected 'whole_run'"));
@@ -340,14 +369,14 @@ TEST_CASE(
   CHECK_THAT(ran({"--robot", "manual", "--identify", "guess"}).err, Contains("--identify"));
   CHECK_THAT(ran({"--robot", "manual", "--deviations", "nan"}).err,
              Contains("--deviations nan: expected from 0 to 2"));
-  const test::Ran failed = ran({"--robot", "false {walk} {log}"});
+  const test::Ran failed = ran({"--exercise-s", "0", "--robot", "false {walk} {log}"});
   CHECK(failed.status == 3);
   CHECK_THAT(failed.err, Contains("ended with status 1"));
-  const test::Ran walks = ran({"--robot", test::program("furcula") + " walk sim --model " + kModel +
-                                              " --walk {walk} --out {log} > /dev/null"});
+  const test::Ran walks = ran(
+      {"--exercise-s", "0", "--robot",
+       test::program("furcula") + " walk sim --model " + kModel + " --walk {walk} --out {log} > /dev/null"});
   INFO(walks.err);
   CHECK(walks.status == 0);
-  CHECK_THAT(walks.out, Contains("round 0: round_0/log_1.csv: 10.5 s on the stand") &&
-                            Contains("round 1: round_1/log_1.csv: stands") &&
+  CHECK_THAT(walks.out, Contains("round 1: round_1/log_1.csv: stands") &&
                             Contains("the robot walks with " + out + "/round_1/walk.toml"));
 }
