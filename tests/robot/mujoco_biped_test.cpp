@@ -73,7 +73,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "A robust walk stands on robots in MuJoCo that its search has not seen, where the cheapest walk falls",
+    "Robust walks stand on robots in MuJoCo that their searches have not seen, where the cheapest walk falls",
     "[slow]") {
   const walk::Model model = walk::read_model(kModel);
   const auto stand = [&](const char* file, double tables) {
@@ -89,6 +89,7 @@ TEST_CASE(
     return count;
   };
   CHECK(stand("robust_walk.toml", 0.5) >= 4);
+  CHECK(stand("robust_semi_passive_walk.toml", 0.5) >= 4);
   CHECK(stand("active_walk.toml", 0.0) <= 1);
 }
 
