@@ -1,4 +1,4 @@
-// `furcula walk loop`: a walk on the robot, the model identified from it, the walk searched again, until the robot walks.
+// `furcula walk loop`: the model identified from recordings, a walk searched about it and tried, until the robot walks.
 #include "host/cli/walk_loop_command.hpp"
 
 #include <algorithm>
@@ -92,14 +92,15 @@ void add_walk_loop_command(CLI::App& walk) {
           "manual: a person brings the files")
       ->required();
   command
-      ->add_option("--rounds", o->rounds,
-                   "Trial, identification and search, so many times at most; the last walk is tried too")
+      ->add_option(
+          "--rounds", o->rounds,
+          "Trial, identification and search, so many times at most; the last walk is tried too. Round 0 is not counted")
       ->capture_default_str();
   command
       ->add_option(
           "--exercise-s", o->loop.exercise_s,
-          "Before the first walk (round 0) the robot moves its legs on its stand for so long, and the first walk is searched "
-          "about what is identified from it; 0: it does not, and the first walk is --walk")
+          "With --identify windows the robot moves its legs on its stand for so long first (round 0), and the first walk is "
+          "searched about what is identified from it; 0: it does not, and the first walk is --walk")
       ->capture_default_str();
   command->add_option("--repetitions", o->repetitions, "Trials of a walk")->capture_default_str();
   command->add_option("--steps", o->steps, "Of a search, in steps of simulation")->capture_default_str();

@@ -92,9 +92,11 @@ class Loop {
     } else {
       write_json();
     }
-    if (o_.exercise_s > 0.0) exercise();
     if (begins_identified()) {
+      exercise();
+      write_news();
       identify(0);
+      write_news();
       search(0);
     } else {
       write_once(walk_file(1), walk::format_walk(first_));
@@ -165,7 +167,7 @@ class Loop {
                      text_hash(biped::format_deviations(design, given_.machine)));
     out.emplace_back("mode of the first walk",
                      std::string(walk::kModeNames[static_cast<std::size_t>(first_.mode)]));
-    if (o_.exercise_s > 0.0) out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
+    if (begins_identified()) out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
     out.emplace_back("steps", std::to_string(o_.steps));
     out.emplace_back("repetitions", std::to_string(o_.repetitions));
     if (o_.identify_by != IdentifyBy::windows)
@@ -193,16 +195,17 @@ class Loop {
     core::write_file_atomically(file, text);
   }
 
-  /// On the stand, with the posture and the pins of the first walk.
+  /// On the stand, with the posture of the walk as given and the pins of the mode that is searched.
   void exercise() {
     walk::Walk walk = first_;
     walk.exercise_s = o_.exercise_s;
+    walk.mode = mode();
     write_once(walk_file(0), walk::format_walk(walk));
     const Request trial = request(0, 1);
     news_ = news_ || !fs::exists(trial.log);
     get_log(trial);
     floating::Recording recording = read_recording(trial.log, trial);
-    recording.passive_hips = first_.mode == walk::WalkMode::semi_passive;
+    recording.passive_hips = walk.mode == walk::WalkMode::semi_passive;
     result_.exercise = folder(0) + "/log_1.csv";
     say(0, result_.exercise + ": " +
                core::rounded(recording.rows.back().time_s - recording.rows.front().time_s, 3) +
@@ -217,11 +220,13 @@ class Loop {
     r.walk = folder(round) + "/walk.toml";
     r.simulated = walk::run_walk(model.robot, rollout, walk.parameters);
     r.asked_m = std::max(kLeastWay_m, kWayShare * r.simulated.distance_m);
-    if (round == 1 && !begins_identified())
-      say(1, "in simulation of the model as given: " + simulated_in_words(r.simulated, model.limits));
+    const std::string simulated = std::string("in simulation of the ") +
+                                  (identifies(round - 1) ? "identified model: " : "model as given: ") +
+                                  simulated_in_words(r.simulated, model.limits);
+    if (round == first_round())
+      say(round, simulated);
     else
-      say(round - 1, "next: " + r.walk + ", in simulation of the identified model: " +
-                         simulated_in_words(r.simulated, model.limits));
+      say(round - 1, "next: " + r.walk + ", " + simulated);
     for (unsigned k = 1; k <= o_.repetitions; ++k) {
       const Request trial = request(round, k);
       news_ = news_ || !fs::exists(trial.log);
@@ -341,7 +346,9 @@ class Loop {
     const floating::Recording& recording = recordings_[(round - 1) * o_.repetitions + repetition - 1];
     if (o_.progress)
       o_.progress(fraction, "round " + std::to_string(result_.rounds.size()) + ": errors of the model " +
-                                (number == kGiven ? "as given" : "of round " + std::to_string(number)) +
+                                (number == kGiven ? "as given"
+                                 : number == 0    ? "of the exercise"
+                                                  : "of round " + std::to_string(number)) +
                                 " on " + recording.file);
     floating::IdentifyOptions options = o_.identify;
     options.settings.threads = o_.threads;
@@ -354,8 +361,6 @@ class Loop {
     write();
   }
 
-  /// In round 0 the walk as given.
-  std::string walk_of(unsigned round) const { return round == 0 ? o_.walk : walk_file(round); }
   /// Of the walks so far the one with which a search does best to begin: by its own objective.
   unsigned best_walk(unsigned last, const walk::Model& model, const walk::SearchOptions& options) const {
     const auto robots = options.ensemble.size();
@@ -363,7 +368,7 @@ class Loop {
     std::vector<walk::Job> alone, others;
     const unsigned first = first_round();
     for (unsigned round = first; round <= last; ++round) {
-      alone.push_back({walk::read_walk(walk_of(round)).parameters, 0});
+      alone.push_back({round == 0 ? first_.parameters : walk::read_walk(walk_file(round)).parameters, 0});
       for (std::size_t k = 0; k < robots; ++k) others.push_back({alone.back().walk, k});
     }
     const auto on_robot = walk::run_jobs(model.robot, {}, options.rollout, alone, o_.threads),
@@ -386,10 +391,12 @@ class Loop {
     if (fs::exists(walk_file(round + 1))) return;
     constexpr std::uint64_t kMost = 3;  // times the steps asked for
     const walk::Model model = model_of(round);
-    walk::SearchOptions options = search_options(round, model, walk::read_walk(walk_of(round)));
+    walk::SearchOptions options =
+        search_options(round, model, round == 0 ? first_ : walk::read_walk(walk_file(round)));
     walk::require_posture(model, options.rollout);
-    const std::string from = walk_of(best_walk(round, model, options));
-    options.start = walk::read_walk(from).parameters;
+    const unsigned best_round = best_walk(round, model, options);
+    const std::string from = best_round == 0 ? o_.walk : walk_file(best_round);
+    options.start = best_round == 0 ? first_.parameters : walk::read_walk(from).parameters;
     options.progress = [&](double fraction, const std::string& doing) {
       if (o_.progress) o_.progress(fraction, "round " + std::to_string(round) + ": " + doing);
     };

@@ -1,11 +1,11 @@
 // Walk on the robot, identify, search the walk again on the identified robot and others about it, and so on (document 000, section IV).
 //
-// Before the first walk the robot moves its legs on its stand. All identifications have this recording; from it alone the model is identified about which
-// the first walk is searched.
+// With IdentifyBy::windows the robot moves its legs on its stand first. All identifications have this recording; from it alone the model is identified about
+// which the first walk is searched.
 //
 // Files in `out` are what a loop goes on from: round_0/walk.toml and log_1.csv of this exercise, round_0/identified_model.toml with identification.json
 // and .html, round_1/walk.toml with walk.json and report.html, round_1/log_1.csv ..., round_1/identified_model.toml ... A file that is there is
-// whole, and its step is done. loop.json and report.html are written after each step; of loop.json the errors of the triangle are read again.
+// whole, and its step is done. loop.json and, from the first trial on, report.html are written after each step; of loop.json the errors of the triangle are read again.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ struct LoopOptions {
   std::string model, walk, robot, out;
   unsigned rounds = 3, repetitions = 1;
   std::optional<walk::WalkMode> mode;  ///< of searches; without it the walk's
-  /// On the stand, before the first walk; 0: none, and the first walk is `walk`.
+  /// On the stand, before the first walk, with IdentifyBy::windows; 0: none, and the first walk is `walk`.
   double exercise_s = 10.0;
   std::uint64_t steps = 200'000'000;  ///< of a search
   walk::EnsembleOptions ensemble;     ///< other robots of a search, with a seed of each round's
@@ -83,7 +83,7 @@ struct Round {
   double asked_m = 0.0;     ///< the least way of a trial that walks
   std::vector<TrialResult> trials;
   bool walks = false;
-  std::optional<Identification> identification;  ///< from all trials so far
+  std::optional<Identification> identification;  ///< from all recordings so far
 };
 
 struct LoopResult {
@@ -100,14 +100,14 @@ struct LoopResult {
 /// Does what is not done yet. @throws core::DataError: `out` has another loop, with what differs; a trial that cannot be used.
 LoopResult run_loop(const LoopOptions& options);
 
-/// loop.json, `furcula-walk-loop/1` (docs/biped.md).
+/// loop.json, `furcula-walk-loop/2` (docs/biped.md).
 std::string to_json_text(const walk::Settings& settings, const LoopOptions& options,
                          const LoopResult& result);
 /// @throws core::DataError: not a loop.json.
 walk::Settings settings_in(const std::string& path);
 /// Of a loop.json without a triangle, none. @throws core::DataError: not a loop.json.
 Triangle triangle_in(const std::string& path);
-/// Walks, trials, identifications but for their causes, and triangle of a loop.json: no simulations. @throws core::DataError: not a loop.json.
+/// Walks, trials, identifications' errors and triangle of a loop.json: no causes and simulations. @throws core::DataError: not a loop.json.
 LoopResult loop_in(const std::string& path);
 /// Of an identification.json. @throws core::DataError
 Identification read_identification(const std::string& path);

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "furcula-walk-loop/1";
+constexpr const char* kSchema = "furcula-walk-loop/2";
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 Json number(const std::optional<double>& v) { return v ? number(*v) : Json(nullptr); }
@@ -55,7 +55,7 @@ Json identification(const std::optional<Identification>& of) {
           {"causes", causes},
           {"all_numbers_deviate", i.all_numbers_deviate}};
 }
-/// Not its causes.
+/// Its errors alone.
 std::optional<Identification> identification_in(const Json& j) {
   if (j.at("training").is_null()) return {};
   Identification out;
@@ -78,7 +78,11 @@ Json parsed(Text&& text, const std::string& path, const char* what) {
 Json read_loop_json(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw core::DataError(path + ": cannot be read; expected " + kLoopJson);
-  return parsed(file, path, kLoopJson);
+  Json j = parsed(file, path, kLoopJson);
+  if (!j.is_object() || j.value("schema", Json()) != kSchema)
+    throw core::DataError(path + ": schema " + (j.is_object() ? j.value("schema", Json()).dump() : "none") +
+                          "; expected \"" + kSchema + "\", in another folder a new loop");
+  return j;
 }
 
 Triangle triangle_of(const Json& j) {
@@ -146,8 +150,6 @@ std::string to_json_text(const walk::Settings& settings, const LoopOptions& opti
 walk::Settings settings_in(const std::string& path) {
   const Json j = read_loop_json(path);
   try {
-    if (j.at("schema") != kSchema)
-      throw core::DataError(path + ": schema " + j.at("schema").dump() + "; expected \"" + kSchema + "\"");
     walk::Settings out;
     for (const auto& [name, value] : j.at("settings").items()) out.emplace_back(name, value);
     return out;

@@ -53,7 +53,9 @@ double error_on_round_mrad(const LoopResult& result, int model, std::size_t roun
 
 /// Before that round; kGiven where nothing was.
 int identified_before(const LoopResult& result, std::size_t round) {
-  return round > 1 || result.of_exercise ? static_cast<int>(round) - 1 : kGiven;
+  const bool was =
+      round > 1 ? result.rounds[round - 2].identification.has_value() : result.of_exercise.has_value();
+  return was ? static_cast<int>(round) - 1 : kGiven;
 }
 std::string in_words(int model) {
   return model == kGiven ? "as given"
@@ -119,8 +121,8 @@ std::string triangle_table(const LoopResult& result, bool links, const Value& va
   const std::size_t rounds = result.rounds.size();
   std::vector<int> models{kGiven};
   if (result.of_exercise) models.push_back(0);
-  for (std::size_t r = 1; r < rounds + (result.rounds.back().identification ? 1 : 0); ++r)
-    models.push_back(static_cast<int>(r));
+  for (std::size_t r = 1; r <= rounds; ++r)
+    if (result.rounds[r - 1].identification) models.push_back(static_cast<int>(r));
   std::vector<report::Table::Column> columns{{"Model"}};
   for (std::size_t r = 1; r <= rounds; ++r)
     for (std::size_t k = 1; k <= result.rounds[r - 1].trials.size(); ++k)
@@ -287,7 +289,7 @@ std::string round_html(const LoopResult& result, std::size_t r) {
                 number(t.outcome.time_s), number(t.outcome.way_m), t.walks ? "yes" : "no"},
                t.walks);
   out += trials.html();
-  return round.identification ? out + causes_html(*round.identification, "from all trials so far") : out;
+  return round.identification ? out + causes_html(*round.identification, "from all recordings so far") : out;
 }
 
 std::string command_of(const LoopOptions& o) {

@@ -48,12 +48,13 @@ std::string model_file(const StudiedLoop& l, std::size_t round) {
   return l.folder + "/round_" + std::to_string(round) + "/identified_model.toml";
 }
 
-/// How many of its models were identified.
+/// After how many rounds models were identified; that of its exercise is not counted.
 std::size_t identified(const StudiedLoop& l) {
   std::size_t n = 0;
   while (n < l.result.rounds.size() && std::filesystem::exists(model_file(l, n + 1))) ++n;
   return n;
 }
+bool has_model(const StudiedLoop& l) { return identified(l) > 0 || l.result.of_exercise; }
 
 /// One trial of a loop.
 struct Trial {
@@ -94,7 +95,7 @@ std::vector<floating::Recording> recordings_of(const StudiedLoop& l, bool all) {
     stand.round = 0;
     stand.log = l.folder + "/" + l.result.exercise;
     out.push_back(loop::read_recording(stand.log, stand));
-    out.back().passive_hips = semi_passive(l);
+    out.back().passive_hips = walk::read_walk(l.folder + "/round_0/walk.toml").mode == WalkMode::semi_passive;
   }
   for (std::size_t r = 0; r < l.result.rounds.size(); ++r)
     for (std::size_t k = 0; k < l.result.rounds[r].trials.size(); ++k)
@@ -152,7 +153,7 @@ LoopStudy study_loops(const LoopStudyOptions& options) {
                         [&](const StudiedLoop& l) { return semi_passive(l) == semi; });
   };
   const auto active = of(false), semi = of(true);
-  if (active != out.loops.end() && semi != out.loops.end() && identified(*active) > 0)
+  if (active != out.loops.end() && semi != out.loops.end() && has_model(*active))
     out.cross = predicted_across(options, model, *active, *semi);
   return out;
 }
@@ -176,13 +177,19 @@ std::vector<Row> rows_of(const LoopStudy& study) {
             : static_cast<double>(first - rounds.begin() + (l.result.of_exercise ? 1 : 0)));
     add("Eq. 3 of the first walk, model as given", "mrad", milli(printed[0][0]),
         whole_run_mrad(l.result, loop::kGiven, 1));
-    if (identified(l) == 0) continue;
+    const auto last = [&] {
+      add("Eq. 3 of the last walk, not in the fit", "mrad", milli(printed.back().back()),
+          whole_run_mrad(l.result, static_cast<int>(rounds.size()) - 1, rounds.size()));
+    };
+    if (identified(l) == 0) {
+      if (l.result.of_exercise) last();
+      continue;
+    }
     add("the same, identified from it", "mrad", milli(printed[1][0]), whole_run_mrad(l.result, 1, 1));
     if (rounds.size() < 2) continue;
     add("Eq. 3 of the second walk, identified from the first", "mrad", milli(printed[1][1]),
         whole_run_mrad(l.result, 1, 2));
-    add("Eq. 3 of the last walk, not in the fit", "mrad", milli(printed.back().back()),
-        whole_run_mrad(l.result, static_cast<int>(rounds.size()) - 1, rounds.size()));
+    last();
   }
   if (!study.cross) return rows;
   const CrossPrediction& c = *study.cross;

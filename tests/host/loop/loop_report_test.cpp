@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 
 #include "tests/host/cli/run_program.hpp"
 #include "tests/host/error_message.hpp"
@@ -89,13 +90,21 @@ TEST_CASE("a triangle is read from loop.json as it was written, however large") 
     CHECK(read.at(cell).whole_run_rad == errors.whole_run_rad);
   }
   CHECK(std::isnan(read.at({loop::kGiven, 1, 1}).windows.gyro_radps));
-  CHECK(loop::triangle_in(folder.file("old.json", "{\"schema\": \"furcula-walk-loop/1\"}")).empty());
+  CHECK(loop::triangle_in(folder.file("old.json", "{\"schema\": \"furcula-walk-loop/2\"}")).empty());
   // Of a file without errors over whole walks they are computed again.
   CHECK(
       loop::triangle_in(folder.file("windows.json",
-                                    R"({"schema": "furcula-walk-loop/1", "triangle": [{"model": 0, "round": 1,
+                                    R"({"schema": "furcula-walk-loop/2", "triangle": [{"model": 0, "round": 1,
           "repetition": 1, "windows": 3, "rms_angle_rad": 1, "rms_attitude_rad": 1, "rms_gyro_radps": 1}]})"))
           .empty());
+  // Version 1 has other meanings under the same keys.
+  for (const auto& read_it : {std::function([](const std::string& f) { loop::triangle_in(f); }),
+                              std::function([](const std::string& f) { loop::settings_in(f); }),
+                              std::function([](const std::string& f) { loop::loop_in(f); })})
+    for (const char* text_of :
+         {R"({"schema": "furcula-walk-loop/1", "triangle": [], "settings": {}})", "{}", "[]"})
+      CHECK_THAT(test::error_message([&] { read_it(folder.file("before.json", text_of)); }),
+                 Contains("before.json: schema ") && Contains("expected \"furcula-walk-loop/2\""));
   CHECK_THAT(test::error_message([&] { loop::triangle_in(folder.file("not.json", "{")); }),
              Contains("not.json: no JSON") && Contains("expected a loop.json of furcula walk loop"));
 }

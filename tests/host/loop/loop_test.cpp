@@ -86,7 +86,7 @@ TEST_CASE("a loop ends where the robot walks, and is refused with other argument
   CHECK_FALSE(bench.has("round_1/identified_model.toml"));
   CHECK_THAT(bench.said, Contains("round 1: 2 of 2 trials stand"));
   const auto j = test::json_of(bench.in("loop.json"));
-  CHECK(j["schema"] == "furcula-walk-loop/1");
+  CHECK(j["schema"] == "furcula-walk-loop/2");
   CHECK(j["walks"] == true);
   CHECK(j["rounds"][0]["trials"][0]["stands"] == true);
   CHECK(j["rounds"][0]["trials"][0]["fall_s"].is_null());
@@ -221,15 +221,12 @@ TEST_CASE(
   CHECK(*std::max_element(knee.begin(), knee.end()) - *std::min_element(knee.begin(), knee.end()) > 0.05);
   const auto j = test::json_of(bench.in("loop.json"));
   CHECK(j["exercise"]["log"] == "round_0/log_1.csv");
-  for (const auto& cell : j["triangle"]) CHECK(cell["round"] >= 1);  // of walks alone
   // The model of the exercise has the first walk as the first it has not seen.
   REQUIRE(j["triangle"].size() == 5);
   CHECK(r.triangle.contains({0, 1, 1}));
-  CHECK_FALSE(r.triangle.contains({0, 2, 1}));
   CHECK(j["exercise"]["training"] == test::json_of(bench.in("round_0/identification.json"))["training"]);
   REQUIRE(r.of_exercise);
   CHECK(r.of_exercise->given.windows > 0);
-  CHECK_THAT(test::text_of(bench.in("round_0/identification.html")), !Contains("round_1/log_1.csv"));
   CHECK_THAT(bench.said,
              Contains("round 0: next: round_1/walk.toml, in simulation of the identified model: stands"));
   // Each search has the next seed, and begins with one of the walks so far: at first with the given one.
@@ -245,6 +242,34 @@ TEST_CASE(
   CHECK(bench.errors_computed == 0);
   CHECK(test::json_of(bench.in("loop.json")) == written);
   CHECK(loop::loop_in(bench.in("loop.json")).of_exercise);
+
+  // What is done in round 0 is there, and is not done again, where its search or the first trial is interrupted.
+  std::filesystem::remove_all(bench.in("round_1"));
+  std::filesystem::remove(bench.in("round_0/identified_model.toml"));
+  std::filesystem::remove(bench.in("loop.json"));
+  bench.options.progress = [&](double, const std::string& doing) {
+    if (bench.has("round_0/identified_model.toml")) throw core::DataError("interrupted: " + doing);
+  };
+  const std::size_t trials = bench.trials();
+  CHECK_THAT(bench.error(), Contains("interrupted: round 0"));
+  CHECK_FALSE(bench.has("round_1/walk.toml"));
+  CHECK(test::json_of(bench.in("loop.json"))["exercise"] == written["exercise"]);
+  bench.interrupt_at("");
+  CHECK(bench.run().rounds[0].simulated.distance_m == r.rounds[0].simulated.distance_m);
+  CHECK(bench.trials() == trials + 1);  // of the first walk; that of the second is there
+
+  // A semi-passive walk is prepared by an exercise with its pins, and only an identification by windows has one.
+  Bench other;
+  other.options.exercise_s = 4.0;
+  other.options.mode = walk::WalkMode::semi_passive;
+  other.options.robot = "exit 3; {walk} {log}";
+  CHECK_THAT(other.error(), Contains("ended with status 3"));
+  CHECK(walk::read_walk(other.in("round_0/walk.toml")).mode == walk::WalkMode::semi_passive);
+  other.options.out += "_whole";
+  other.options.identify_by = loop::IdentifyBy::whole_run;
+  CHECK_THAT(other.error(), Contains("ended with status 3"));
+  CHECK_FALSE(other.has("round_0/walk.toml"));
+  CHECK(other.has("round_1/walk.toml"));
 
   // A robot that walks instead, and one that hangs instead of walking.
   Bench standing;
