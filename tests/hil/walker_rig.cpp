@@ -137,9 +137,12 @@ std::string play(Rig& rig, const std::string& which) {
              " s of walking: " + told();
     if (!(state.position_m.z > 0.9)) return "it does not stand";
     if (!(state.position_m.x > 0.5)) return "it did not get 0.5 m ahead";
-    std::cout << "walked " << state.position_m.x << " m in 10 s, and stands\n";
+    const double walked_m = state.position_m.x;
     rig.request = rig::Host::Request::stop;
-    if (!rig.come(20, [&] { return rig.stage() == WalkerStage::idle; })) return "it does not stop";
+    if (!rig.come(20, [&] { return rig.stage() == WalkerStage::idle; }))
+      return "it does not stop: stage " + std::to_string(static_cast<int>(rig.stage())) + ", fault " + told();
+    // Not before: to print on a busy machine's console takes some ticks, in which drives would be silent.
+    std::cout << "walked " << walked_m << " m in 10 s, and stands\n";
     return "";
   }
   if (which == "bus_down") {
