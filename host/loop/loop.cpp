@@ -165,7 +165,7 @@ class Loop {
     design.robot = given_.undeviated;
     out.emplace_back("the model's [deviations], as a hash",
                      text_hash(biped::format_deviations(design, given_.machine)));
-    out.emplace_back("mode of the first walk",
+    out.emplace_back("mode of the walk as given",
                      std::string(walk::kModeNames[static_cast<std::size_t>(first_.mode)]));
     if (begins_identified()) out.emplace_back("exercise_s", core::shortest(o_.exercise_s));
     out.emplace_back("steps", std::to_string(o_.steps));

@@ -156,6 +156,8 @@ TEST_CASE("a loop goes on after its last finished step, from files that are whol
     CHECK(bench.has(name));
   CHECK(test::json_of(bench.in("round_2/walk.json"))["seed"] == 1);
   CHECK(test::json_of(bench.in("round_2/walk.json"))["ensemble"] == 7);
+  CHECK_THAT(test::text_of(bench.in("round_2/report.html")),
+             Contains("--from " + bench.in("round_1/walk.toml")));
   const auto written = test::json_of(bench.in("loop.json"));
   CHECK(written["rounds"].size() == 2);
   CHECK(written["rounds"][0]["causes"].size() ==

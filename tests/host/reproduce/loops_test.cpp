@@ -92,6 +92,23 @@ TEST_CASE("a loop's triangle stands beside Fig. 7: as given, training, the walk 
   CHECK_THAT(reproduce::loops_html(study), Contains("Identified after walk 5") && Contains(">14<"));
 }
 
+TEST_CASE(
+    "a loop that walks in its first trial has one identification, from its exercise, which predicts that walk") {
+  test::TemporaryFolder at;
+  loop::LoopResult sample = test::sample_loop();
+  sample.rounds.resize(1);
+  sample.rounds[0].identification.reset();
+  sample.rounds[0].walks = true;
+  const std::string folder = loop_folder(at, "active", sample, "");
+  std::filesystem::remove(folder + "/round_1/identified_model.toml");
+  const std::vector<reproduce::Row> rows =
+      reproduce::rows_of(reproduce::study_loops({kModel, {folder}, 1, {}}));
+  REQUIRE(rows.size() == 3);
+  CHECK(row_of(rows, "Active: identifications until a walk on the robot").ours == 1.0);
+  CHECK(row_of(rows, "Active: Eq. 3 of the last walk, not in the fit").ours ==
+        Approx(1e4 * 0.5 * (test::sample_error_rad(0, 1, 1) + test::sample_error_rad(0, 1, 2))));
+}
+
 TEST_CASE("a loop that has not walked yet has no number of identifications, and no model of its own") {
   test::TemporaryFolder at;
   const reproduce::LoopStudy study =
