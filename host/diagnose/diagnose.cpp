@@ -10,6 +10,7 @@
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/exclusion.hpp"
 #include "host/diagnose/laws.hpp"
+#include "host/diagnose/likelihood_search.hpp"
 #include "host/diagnose/next_experiment.hpp"
 #include "host/diagnose/posterior.hpp"
 #include "host/diagnose/residual_force.hpp"
@@ -135,6 +136,10 @@ class Assembly {
         !holds(selection_.chosen.effects, Effect::encoder_slip))
       disagreement_ = find_disagreement();
     if (disagreement_) return {};
+    if (!options_.without.contains(Rule::likelihood))
+      if (auto likeliest = select_by_likelihood(model_, training_, training_windows_, options_.threads,
+                                                options_.progress, selection_))
+        selection_ = std::move(*likeliest);
     choose();
     // From here on the held-out recordings are seen. They name nothing and withdraw nothing.
     foretell_slips();

@@ -29,11 +29,13 @@ struct Weighed {
 /// Which of two hypotheses the training data prefer. All in units of a log-likelihood ratio times two, with
 /// the number of independent samples that the residuals are worth.
 struct Comparison {
-  double evidence = 0.0;     ///< of the larger over the smaller
-  double threshold = 0.0;    ///< what chance would reach, the number of hypotheses tried taken into account
-  double gain = 0.0;         ///< share of the smaller one's cross-validated error that the larger removes
-  bool told_apart = false;   ///< beyond chance, and beyond what two honest simulators differ by
-  bool significant = false;  ///< and worth a name beside what the model without any effect leaves
+  double evidence = 0.0;    ///< of the larger over the smaller
+  double threshold = 0.0;   ///< what chance would reach, the number of hypotheses tried taken into account
+  double gain = 0.0;        ///< share of the smaller one's cross-validated error that the larger removes
+  bool told_apart = false;  ///< beyond chance, and beyond what two honest simulators differ by
+  bool counts =
+      false;  ///< beyond what two honest simulators differ by, and worth a name beside what the model without any effect leaves
+  bool significant = false;  ///< both
 };
 
 /// One channel of all windows.

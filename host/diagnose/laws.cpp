@@ -79,4 +79,18 @@ std::vector<EffectSet> in_other_names(const model::Model& model, const EffectSet
   return all;
 }
 
+std::optional<std::array<double, dynamics::kMaxEffectParameters>> in_other_words(const model::Model& fitted,
+                                                                                 Effect e, Effect other) {
+  if (!fitted.clutch || !dynamics::needs_clutch(e) || !dynamics::needs_clutch(other)) return std::nullopt;
+  const auto wrong = fitted.effects.find(Effect::stiffness_error);
+  const double k = wrong == fitted.effects.end() ? fitted.parameter("stiffness_npm") : wrong->second[0];
+  const auto released = [&](double auxiliary) { return k * auxiliary / (k + auxiliary); };
+  const double modelled = released(fitted.clutch->auxiliary_stiffness_npm);
+  const double value = fitted.effects.at(e)[0];
+  if (other == Effect::incomplete_release)
+    return {{std::clamp((released(value) - modelled) / (k - modelled), 0.0, 1.0)}};
+  const double rate = modelled + value * (k - modelled);
+  return {{k * rate / std::max(k - rate, 1e-6 * k)}};
+}
+
 }  // namespace furcula::diagnose

@@ -1,6 +1,8 @@
 // Which sets of effects are one law under several names, whatever the recordings (docs/contracts.md, section 3).
 #pragma once
 
+#include <array>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -19,5 +21,11 @@ bool always_same(const model::Model& model, const EffectSet& a, const EffectSet&
 /// member, or of a friction and a constant force.
 std::vector<EffectSet> in_other_names(const model::Model& model, const EffectSet& effects,
                                       const EffectSet& usable);
+
+/// The values of `other` that make of the fitted model what its effect `e` makes of it, where that has a
+/// closed form: both are the rate of a released leg, k k_aux / (k + k_aux) or more (dynamics/hopper.hpp).
+std::optional<std::array<double, dynamics::kMaxEffectParameters>> in_other_words(const model::Model& fitted,
+                                                                                 dynamics::Effect e,
+                                                                                 dynamics::Effect other);
 
 }  // namespace furcula::diagnose

@@ -20,13 +20,6 @@ using dynamics::Measure;
 constexpr std::size_t kSome = 24;  // windows for one step ...
 constexpr std::size_t kFew = 10;   // ... and for the many of a search over frequencies
 
-std::vector<identify::Window> spread_out(const std::vector<identify::Window>& windows, std::size_t most) {
-  if (windows.size() <= most) return windows;
-  std::vector<identify::Window> some;
-  for (std::size_t i = 0; i < most; ++i) some.push_back(windows[i * windows.size() / most]);
-  return some;
-}
-
 /// The minimum of squares + 2 g d + d H d with d within [low, high]: unknowns that leave it are put on the
 /// limit one after the other.
 Eigen::VectorXd bounded_step(const Eigen::VectorXd& gradient, const Eigen::MatrixXd& information,
@@ -72,10 +65,25 @@ Eigen::VectorXd bounded_step(const Eigen::VectorXd& gradient, const Eigen::Matri
 
 }  // namespace
 
-Proposer::Proposer(const Trainer& trainer)
-    : t_(trainer),
-      some_(spread_out(trainer.training.windows, kSome)),
-      few_(spread_out(trainer.training.windows, kFew)) {
+Proposer::Some::Some(const Trainer& trainer, std::size_t most) {
+  const std::vector<identify::Window>& all = trainer.training.windows;
+  const std::size_t count = std::min(all.size(), most);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = i * all.size() / count;
+    windows.push_back(all[at]);
+    if (!trainer.whitening.empty()) whitening.push_back(trainer.whitening[at]);
+  }
+}
+
+identify::Fit Proposer::Some::look(const Trainer& trainer, const model::Model& model,
+                                   const std::vector<identify::Unknown>& unknowns,
+                                   const std::vector<double>& values) const {
+  return identify::look_by_simulation(model, unknowns, values, trainer.recordings, windows,
+                                      identify::Starting::linear, trainer.training.most_squares,
+                                      whitening.empty() ? nullptr : &whitening);
+}
+
+Proposer::Proposer(const Trainer& trainer) : t_(trainer), some_(trainer, kSome), few_(trainer, kFew) {
   const Trainer::Scales scales = trainer.scales();
   speed_ = scales.speed;
   force_ = scales.force;
@@ -142,8 +150,7 @@ std::vector<Proposer::Values> Proposer::starts(Effect effect) const {
 }
 
 Proposer::Screening Proposer::step(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,
-                                   const Values& values, const std::vector<identify::Window>& windows,
-                                   bool shape_held) const {
+                                   const Values& values, const Some& some, bool shape_held) const {
   const std::vector<identify::Unknown> unknowns = unknowns_of(t_.model, larger);
   std::vector<double> at = identify::values_in(on.fitted, unknowns);
   const Values start = identify::fitted_from_law(effect, values, t_.model);
@@ -168,9 +175,7 @@ Proposer::Screening Proposer::step(const Hypothesis& on, const std::vector<Effec
       high(k) = std::min(high(k), std::abs(at[i]));
     }
   }
-  const identify::Fit look =
-      identify::look_by_simulation(with_slips(t_.model, t_.recordings, larger), unknowns, at, t_.recordings,
-                                   windows, identify::Starting::linear, t_.training.most_squares);
+  const identify::Fit look = some.look(t_, with_slips(t_.model, t_.recordings, larger), unknowns, at);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   for (const auto& share : look.shares) {
@@ -238,9 +243,7 @@ std::vector<Proposer::Values> Proposer::swings(const Hypothesis& on, const std::
 }
 
 double Proposer::squares_left(const Hypothesis& on) const {
-  return identify::look_by_simulation(on.fitted, {}, {}, t_.recordings, some_, identify::Starting::linear,
-                                      t_.training.most_squares)
-      .squares;
+  return some_.look(t_, on.fitted, {}, {}).squares;
 }
 
 Proposal Proposer::best(const Hypothesis& on, const std::vector<Effect>& larger, Effect effect,

@@ -28,6 +28,16 @@ class Proposer {
 
  private:
   using Values = std::array<double, dynamics::kMaxEffectParameters>;
+  /// Of the training windows.
+  struct Some {
+    std::vector<identify::Window> windows;
+    std::vector<identify::Whitening> whitening{};
+
+    Some(const Trainer& trainer, std::size_t most);
+    identify::Fit look(const Trainer& trainer, const model::Model& model,
+                       const std::vector<identify::Unknown>& unknowns,
+                       const std::vector<double>& values) const;
+  };
   struct Screening {
     double squares;  ///< after the step
     Values values;   ///< of the effect after it, within bounds
@@ -38,10 +48,10 @@ class Proposer {
   std::vector<Values> swings(const Hypothesis& on, const std::vector<dynamics::Effect>& larger,
                              dynamics::Effect effect) const;
   Screening step(const Hypothesis& on, const std::vector<dynamics::Effect>& larger, dynamics::Effect effect,
-                 const Values& values, const std::vector<identify::Window>& windows, bool shape_held) const;
+                 const Values& values, const Some& some, bool shape_held) const;
 
   const Trainer& t_;
-  std::vector<identify::Window> some_, few_;  ///< of the training windows
+  Some some_, few_;
   double force_ = 1.0, speed_ = 1.0, top_input_ = 1.0, low_ = 0.0, high_ = 1.0;
 };
 

@@ -276,6 +276,7 @@ struct Filter {
   }
 };
 
+constexpr std::size_t kFewestWindows = 4;
 constexpr std::size_t kSettles = 4;  // rows in which the filter learns its start
 
 /// Minus twice the logarithm of the likelihood of a window's first rows, but for a constant.
@@ -569,9 +570,40 @@ std::optional<Remainder> remainder_of(const model::Model& fitted, const std::vec
   return out;
 }
 
+std::optional<std::vector<identify::Whitening>> whitening_about(const model::Model& likely,
+                                                                const std::vector<Recording>& recordings,
+                                                                const std::vector<Window>& windows) {
+  if (!dynamics::applies(Effect::force_offset, likely.kind)) return std::nullopt;
+  std::vector<identify::Whitening> out(windows.size());
+  std::vector<std::optional<Linear>> of;
+  std::vector<Linear> all;
+  for (const Window& w : windows) {
+    of.push_back(linearised(likely, recordings[w.recording], w));
+    if (of.back()) all.push_back(*of.back());
+  }
+  if (all.size() < kFewestWindows) return std::nullopt;
+  const Sizes sizes = likeliest(all, typical_force(likely, all).first);
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    if (!of[k]) continue;
+    const Linear& w = *of[k];
+    Filter f(w, sizes);
+    f.spread.topLeftCorner<2, 2>().setZero();  // the start is sought
+    for (std::size_t i = 0; i < w.left.size(); ++i) {
+      f.measure(w, sizes);
+      const double scale = w.noise / f.deviation;
+      if (i + 1 < w.left.size()) {
+        const Eigen::Vector3d gain = f.gain;
+        f.predict(w, sizes, i);
+        out[k].rows.push_back({gain, scale, f.step});
+      } else
+        out[k].rows.push_back({f.gain, scale, Eigen::Matrix3d::Zero()});
+    }
+  }
+  return out;
+}
+
 EvidenceFor evidence_under_disturbances(const model::Model& likely, const std::vector<Recording>& recordings,
                                         const std::vector<Window>& windows) {
-  constexpr std::size_t kFewestWindows = 4;
   if (!dynamics::applies(Effect::force_offset, likely.kind)) return {};
   std::vector<Linear> all;
   std::vector<Window> of;

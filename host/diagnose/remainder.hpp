@@ -14,6 +14,7 @@
 
 #include "host/diagnose/whiteness.hpp"
 #include "host/identify/recording.hpp"
+#include "host/identify/whitening.hpp"
 #include "host/identify/windows.hpp"
 #include "host/model/model.hpp"
 
@@ -70,6 +71,12 @@ using EvidenceFor = std::function<std::optional<double>(const model::Model& othe
 EvidenceFor evidence_under_disturbances(const model::Model& likely,
                                         const std::vector<identify::Recording>& recordings,
                                         const std::vector<identify::Window>& windows);
+
+/// Of each window, linearised about a run of this model, up to where it stands still (no rows where it does at once). The sizes of the disturbances are those
+/// under which the recordings are likeliest with it. Nothing where remainder_of() has nothing.
+std::optional<std::vector<identify::Whitening>> whitening_about(
+    const model::Model& likely, const std::vector<identify::Recording>& recordings,
+    const std::vector<identify::Window>& windows);
 
 /// Windows as predictions are judged on; without held-out ones what is said of those stays zero. Nothing where the machine's runs jump (clutch bench) or nothing can be told.
 std::optional<Remainder> remainder_of(const model::Model& fitted,

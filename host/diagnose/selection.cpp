@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numbers>
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
@@ -21,14 +20,8 @@ namespace {
 
 using dynamics::Effect;
 
-constexpr std::size_t kMostEffects = 4;
-/// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
-constexpr double kEqualEvidence = 6.0;
-/// Ten times as likely: twice the logarithm of the odds.
-constexpr double kTenTimes = 2.0 * std::numbers::ln10;
 constexpr double kLittle = 4e-3;  ///< of what the re-fitted model leaves: such a member must help plainly
 constexpr double kPlainly = 2.0, kAtAll = 0.5;  ///< standard errors
-constexpr double kSmallestLoss = 0.04;          ///< of squares: less is no reason for a parameter more
 constexpr std::size_t kMostFits = 8;            ///< of the first round; half of them in the later ones
 constexpr std::size_t kFewestFits = 3;
 constexpr double kSmallestScreening = 0.2;  ///< of the best proposal's
@@ -523,7 +516,11 @@ class Search {
         acted(Rule::rivals);
       else if (keeps(Rule::heaviest) && (better = heaviest()) != nullptr)
         acted(Rule::heaviest);
-      else if (keeps(Rule::falling_friction))
+      else if (const Hypothesis* more = keeps(Rule::larger) ? larger() : nullptr) {
+        s_.chosen = Hypothesis(*more);
+        acted(Rule::larger);
+        continue;
+      } else if (keeps(Rule::falling_friction))
         if (const std::optional<Hypothesis> falling = falling_friction()) {
           s_.chosen = *falling;
           remember(s_.chosen);
@@ -545,6 +542,23 @@ class Search {
           names_twice(effects) || !trainer_.compare(s_.refitted, h, all_.size()).significant)
         continue;
       if (const double odds = odds_for(h); odds > most) most = odds, best = &h;
+    }
+    return best;
+  }
+
+  /// Of larger sets that were fitted the most likely one, if it is ten times as likely as the chosen one by the motion under disturbances, and removes
+  /// what counts. Squares of free runs, which these dominate, ask for more.
+  const Hypothesis* larger() const {
+    if (!disturbed_) return nullptr;
+    const Hypothesis* best = nullptr;
+    double most = kTenTimes;
+    for (const auto& [effects, h] : pool_) {
+      if (effects.size() <= s_.chosen.effects.size() || effects.size() > kMostEffects || !h.meaningful ||
+          names_twice(effects) || !trainer_.compare(s_.chosen, h, all_.size()).counts)
+        continue;
+      const std::optional<double> motion = of_motion(h);
+      if (!motion) continue;
+      if (const double odds = odds_for(h, motion); odds > most) most = odds, best = &h;
     }
     return best;
   }
@@ -710,22 +724,6 @@ class Search {
     const Hypothesis* from;
     Starts starts;
   };
-
-  /// The values of `other` that make of the fitted model what its effect `e` makes of it, where that has a
-  /// closed form: both are the rate of a released leg, k k_aux / (k + k_aux) or more (dynamics/hopper.hpp).
-  static std::optional<std::array<double, dynamics::kMaxEffectParameters>> in_other_words(
-      const model::Model& fitted, Effect e, Effect other) {
-    if (!fitted.clutch || !dynamics::needs_clutch(e) || !dynamics::needs_clutch(other)) return std::nullopt;
-    const auto wrong = fitted.effects.find(Effect::stiffness_error);
-    const double k = wrong == fitted.effects.end() ? fitted.parameter("stiffness_npm") : wrong->second[0];
-    const auto released = [&](double auxiliary) { return k * auxiliary / (k + auxiliary); };
-    const double modelled = released(fitted.clutch->auxiliary_stiffness_npm);
-    const double value = fitted.effects.at(e)[0];
-    if (other == Effect::incomplete_release)
-      return {{std::clamp((released(value) - modelled) / (k - modelled), 0.0, 1.0)}};
-    const double rate = modelled + value * (k - modelled);
-    return {{k * rate / std::max(k - rate, 1e-6 * k)}};
-  }
 
   void add_replacements(std::size_t member, std::vector<Replacement>& all) const {
     const Effect e = s_.chosen.effects[member];

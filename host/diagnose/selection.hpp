@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,14 @@
 #include "host/diagnose/trainer.hpp"
 
 namespace furcula::diagnose {
+
+inline constexpr std::size_t kMostEffects = 4;
+/// Two sets whose evidence differs by less than this explain the data equally well (odds of about 20 to 1).
+inline constexpr double kEqualEvidence = 6.0;
+/// Of squares: less is no reason for a parameter more.
+inline constexpr double kSmallestLoss = 0.04;
+/// Ten times as likely: twice the logarithm of the odds.
+inline constexpr double kTenTimes = 2.0 * std::numbers::ln10;
 
 /// One row of the diagnosis' table.
 struct Tried {

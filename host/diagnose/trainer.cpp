@@ -111,9 +111,12 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
     if (const auto known = fitted->all.find({effects, start}); known != fitted->all.end())
       return known->second;
   }
-  const auto near = identify::begin_on_some(base, h.unknowns, start, recordings, training.windows);
+  const auto near = whitening.empty()
+                        ? identify::begin_on_some(base, h.unknowns, start, recordings, training.windows)
+                        : std::nullopt;
   identify::Effort effort = near ? identify::kFromNear : identify::Effort{};
   effort.most_squares = training.most_squares;
+  if (!whitening.empty()) effort.whitening = &whitening;
   h.fit = identify::fit_by_simulation(base, h.unknowns, near.value_or(start), recordings, training.windows,
                                       identify::Weighting::noise, training.layers, effort);
   h.fitted = identify::with_values(base, h.unknowns, h.fit.values);
@@ -123,9 +126,11 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   for (Effect e : effects) {
     // A rate of which none would be infinite (a ground that gives) fits anything by being large: it must be known, too.
     const bool has_none = identify::neutral_value(model, dynamics::info(e).parameter_table[0]).has_value();
+    // Whitened, the likelihood without an effect tells whether it is there, in what direction of its values ever.
     if (h.meaningful)
-      h.meaningful = told_from_special_case(h, e) &&
-                     ((shapes_of(e) == 1.0 && has_none) || stands_out(h, model, e, tries));
+      h.meaningful =
+          told_from_special_case(h, e) &&
+          (!whitening.empty() || (shapes_of(e) == 1.0 && has_none) || stands_out(h, model, e, tries));
   }
   const std::lock_guard held(fitted->lock);
   fitted->all.try_emplace({effects, start}, h);
@@ -283,7 +288,9 @@ Comparison Trainer::compare(const Hypothesis& smaller, const Hypothesis& larger,
   }
   c.told_apart = c.evidence > c.threshold && c.gain > kSmallestGain;
   // No simulator's numerics jump from one row to the next.
-  c.significant = c.told_apart && (slipped || worth > kSmallestWorth);
+  const bool beyond_numerics = slipped || worth > kSmallestWorth;
+  c.counts = c.gain > kSmallestGain && beyond_numerics;
+  c.significant = c.told_apart && beyond_numerics;
   return c;
 }
 

@@ -39,6 +39,8 @@ struct Trainer {
   unsigned threads = 1;
   double reference_squares = 0.0;  ///< of the body's motion, of the re-fitted model without an effect
   std::shared_ptr<FittedSets> fitted = std::make_shared<FittedSets>();
+  std::vector<identify::Whitening>
+      whitening{};  ///< of each training window; none: squares of free runs count
 
   /// The effects of the catalogue that could extend the model: they exist on its kind, do not repeat a
   /// parameter that is free anyway, and what comes in lets them show. One that is on may have the wrong size.

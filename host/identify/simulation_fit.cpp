@@ -173,12 +173,14 @@ struct Costs {
   std::vector<double> starts;
 
   Costs(const model::Model& model, const std::vector<Unknown>& unknowns,
-        const std::vector<Recording>& recordings, const std::vector<Window>& windows, Weighting weighting)
+        const std::vector<Recording>& recordings, const std::vector<Window>& windows, Weighting weighting,
+        const std::vector<Whitening>* whitening = nullptr)
       : starts(windows.size() * kStartSize) {
     require_room(unknowns);
     for (std::size_t i = 0; i < windows.size(); ++i) {
       const Recording& r = recordings[windows[i].recording];
-      costs.emplace_back(model, unknowns, r, windows[i], weights_of(r, windows[i], weighting));
+      costs.emplace_back(model, unknowns, r, windows[i], weights_of(r, windows[i], weighting),
+                         whitening ? &(*whitening)[i] : nullptr);
       const StartState s = start_state(r, windows[i]);
       starts[kStartSize * i] = s.position;
       starts[kStartSize * i + 1] = s.velocity;
@@ -208,11 +210,12 @@ double most_squares_of(const std::vector<WindowShare>& shares) {
 
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
-                       const std::vector<Window>& windows, Starting starting, double most_squares) {
+                       const std::vector<Window>& windows, Starting starting, double most_squares,
+                       const std::vector<Whitening>* whitening) {
   Fit fit;
   fit.values = values;
   fit.at_bound = at_bounds(values, unknowns);
-  Costs(model, unknowns, recordings, windows, Weighting::noise)
+  Costs(model, unknowns, recordings, windows, Weighting::noise, whitening)
       .shares(fit, starting == Starting::linear ? 0 : 2, most_squares);
   return fit;
 }
@@ -485,7 +488,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   // What the solver tells of rejected steps is no news to a user.
   [[maybe_unused]] static const bool quiet = (FLAGS_minloglevel = google::GLOG_FATAL, true);
   fit.values = start;
-  Costs problems(model, unknowns, recordings, windows, weighting);
+  Costs problems(model, unknowns, recordings, windows, weighting, effort.whitening);
   Jumping jumping(problems, unknowns, model.kind, effort.most_squares);
   bool usable = true;
   if (dynamics::has(model.kind, dynamics::LocationType::belt) && !unknowns.empty()) {

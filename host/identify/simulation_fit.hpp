@@ -10,6 +10,7 @@
 
 #include "host/identify/statistics.hpp"
 #include "host/identify/unknowns.hpp"
+#include "host/identify/whitening.hpp"
 #include "host/identify/windows.hpp"
 
 namespace furcula::identify {
@@ -44,6 +45,7 @@ struct Effort {
   /// A window whose squares are far below this counts by them, one beyond it as a third of this, whatever its squares: Tukey's loss of
   /// whole windows. A belt that the teeth caught one tooth further would outweigh thousands of other falls.
   double most_squares = std::numeric_limits<double>::infinity();
+  const std::vector<Whitening>* whitening = nullptr;  ///< of each window; none: residuals as they are
 };
 /// Of fits on many rows: on some of them, and then on all.
 inline constexpr Effort kOnSome{60, false}, kFromNear{20, false};
@@ -76,7 +78,8 @@ double most_squares_of(const std::vector<WindowShare>& shares);
 Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& unknowns,
                        const std::vector<double>& values, const std::vector<Recording>& recordings,
                        const std::vector<Window>& windows, Starting starting = Starting::at_optimum,
-                       double most_squares = std::numeric_limits<double>::infinity());
+                       double most_squares = std::numeric_limits<double>::infinity(),
+                       const std::vector<Whitening>* whitening = nullptr);
 
 /// The fit by the parameters of the laws, where those are not what is fitted (unknowns.hpp); else the same.
 /// A coordinate that lies on its bound is not thereby known: the covariance is that without the bound.

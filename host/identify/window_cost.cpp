@@ -27,8 +27,9 @@ bool run_with(const WindowRun& run, bool of_unknowns, double const* const* block
 }  // namespace
 
 WindowCost::WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns,
-                       const Recording& recording, const Window& window, Weights weights)
-    : run_{model, unknowns, recording, window, weights} {
+                       const Recording& recording, const Window& window, Weights weights,
+                       const Whitening* whitening)
+    : run_{model, unknowns, recording, window, weights}, whitening_(whitening) {
   set_num_residuals(
       static_cast<int>(run_.motion_rows() + run_.contact_rows() + run_.drive_rows() + run_.leg_rows()));
   if (!unknowns.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns.size()));
@@ -71,6 +72,12 @@ void WindowCost::run_to(std::vector<double> at, Derivatives wanted) const {
   last_.finite = wanted == Derivatives::none
                      ? run_window<double>(run_, blocks, last_.residuals.data(), nullptr)
                      : run_with(run_, wanted == Derivatives::all, blocks, last_.residuals.data(), jacobians);
+  if (whitening_ == nullptr || !last_.finite) return;
+  whitening_->apply(last_.residuals.data(), run_.window.rows(), 1);
+  for (std::size_t b = 0; b < last_.jacobians.size(); ++b)
+    if (jacobians[b] != nullptr)
+      whitening_->apply(jacobians[b], run_.window.rows(),
+                        static_cast<std::size_t>(parameter_block_sizes()[b]));
 }
 
 }  // namespace furcula::identify

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/identify/whitening.hpp"
 #include "host/identify/window_run.hpp"
 
 namespace furcula::identify {
@@ -15,7 +16,7 @@ namespace furcula::identify {
 class WindowCost final : public ceres::CostFunction {
  public:
   WindowCost(const model::Model& model, const std::vector<Unknown>& unknowns, const Recording& recording,
-             const Window& window, Weights weights);
+             const Window& window, Weights weights, const Whitening* whitening = nullptr);
 
   const WindowRun& run() const { return run_; }
 
@@ -34,6 +35,7 @@ class WindowCost final : public ceres::CostFunction {
   };
 
   WindowRun run_;
+  const Whitening* whitening_;
   mutable Last last_;
 };
 

@@ -378,6 +378,16 @@ TEST_CASE("Dry friction beside a spot is found from where friction of two sizes 
       blind({51140, Kind::rail_carriage, {"coulomb_friction", "binding_spot"}, Size::large, Nominal::wrong}));
 }
 
+TEST_CASE("Two causes of which free runs make others are found by the likelihood under random forces") {
+  expect_both(blind(
+      {20261211, Kind::hopper_linear, {"stribeck_friction", "binding_spot"}, Size::large, Nominal::wrong}));
+}
+
+TEST_CASE("A drag is found beside a delay where a random force leaves more than it does", "[slow]") {
+  expect_both(blind(
+      {20261208, Kind::hopper_linear, {"quadratic_drag", "actuator_delay"}, Size::large, Nominal::wrong}));
+}
+
 TEST_CASE("A drag is found beside a spot that is worth six hundred times as much", "[slow]") {
   expect_both(
       blind({9103, Kind::hopper_linear, {"quadratic_drag", "binding_spot"}, Size::large, Nominal::exact}));

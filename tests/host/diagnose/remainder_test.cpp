@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/identify/simulation_fit.hpp"
 #include "tests/host/identify/synthetic.hpp"
 
 using namespace furcula;
@@ -66,4 +67,40 @@ TEST_CASE("A lag and a delay of the same time, which leave as much, are told apa
   model::Model stuck = lag;
   stuck.effects[Effect::coulomb_friction] = {200.0};
   CHECK_FALSE(over_lag(stuck));
+}
+
+TEST_CASE("Whitened runs of the true model leave white noise, and their fit is nearer and knows how near") {
+  const model::Model given = test::axis_model(12.0, 30.0);
+  model::Model lag = given;
+  lag.effects[Effect::actuator_lag] = {0.008};
+  constexpr unsigned kLogs = 12;
+  double off = 0.0, off_of_runs = 0.0;
+  int held = 0;
+  for (unsigned seed = 1; seed <= kLogs; ++seed) {
+    const auto recordings = identify::make_recordings({lagging_axis(seed)}, dynamics::Kind::motor_axis);
+    const auto windows = identify::prediction_windows(recordings, given, 0.5);
+    const auto whitening = diagnose::whitening_about(lag, recordings, windows);
+    REQUIRE(whitening);
+    const auto unknowns = identify::free_unknowns(given);
+    const auto fitted = [&](const std::vector<identify::Whitening>* by) {
+      identify::Effort effort;
+      effort.whitening = by;
+      return identify::fit_by_simulation(lag, unknowns, {11.0, 40.0}, recordings, windows,
+                                         identify::Weighting::noise, 1, effort);
+    };
+    const identify::Fit runs = fitted(nullptr), white = fitted(&*whitening);
+    double squares = 0.0, rows = 0.0, independent = 0.0;
+    for (const identify::WindowShare& s : white.shares) {
+      squares += s[identify::Channel::motion].squares, rows += s[identify::Channel::motion].rows;
+      independent += s[identify::Channel::motion].effective_rows;
+    }
+    CHECK(squares / rows == Approx(1.0).margin(0.1));  // 3000 rows: 4 standard errors
+    CHECK(independent > 0.9 * rows);
+    off += std::pow(white.values[0] - 12.0, 2), off_of_runs += std::pow(runs.values[0] - 12.0, 2);
+    held += std::abs(white.values[0] - 12.0) < 1.96 * std::sqrt(white.covariance(0, 0));
+  }
+  UNSCOPED_INFO("mass off by " << std::sqrt(off / kLogs) << " kg, by squares of free runs "
+                               << std::sqrt(off_of_runs / kLogs) << " kg; in " << held << " intervals");
+  CHECK(off < 0.5 * off_of_runs);
+  CHECK(held >= 9);  // of 12 at 95 %, by chance fewer once in 500 times
 }
