@@ -107,16 +107,15 @@ class LikelihoodSearch {
                        [&](Effect e) { return stands_for_a_member(without(effects, e), e); });
   }
 
-  /// Those that mean something. What is added must go beyond what two honest simulators differ by, too.
+  /// Those that mean something. What a larger set takes off free runs must go beyond what two honest
+  /// simulators differ by, too.
   std::vector<Move> weighed(std::vector<Hypothesis> sets) const {
     const Hypothesis now = by_free_runs(chosen_);
     std::vector<Move> moves;
     for (Hypothesis& h : sets) {
       if (h.failed || !h.meaningful || names_twice(h.effects) || h.effects == chosen_.effects) continue;
       const double its = odds(h);
-      const bool adds =
-          std::includes(h.effects.begin(), h.effects.end(), chosen_.effects.begin(), chosen_.effects.end());
-      if (its > 0.0 && adds && !trainer_.compare(now, by_free_runs(h), all_.size()).counts) continue;
+      if (its > 0.0 && has_more(h) && !trainer_.compare(now, by_free_runs(h), all_.size()).counts) continue;
       moves.push_back({std::move(h), its});
     }
     return moves;
