@@ -33,9 +33,9 @@ struct Comparison {
   double threshold = 0.0;   ///< what chance would reach, the number of hypotheses tried taken into account
   double gain = 0.0;        ///< share of the smaller one's cross-validated error that the larger removes
   bool told_apart = false;  ///< beyond chance, and beyond what two honest simulators differ by
-  bool counts =
-      false;  ///< beyond what two honest simulators differ by, and worth a name beside what the model without any effect leaves
-  bool significant = false;  ///< both
+  /// Beyond what two honest simulators differ by, and worth a name beside what the model without any effect leaves.
+  bool counts = false;
+  bool significant = false;  ///< it counts, and is beyond chance
 };
 
 /// One channel of all windows.

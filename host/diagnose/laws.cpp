@@ -55,6 +55,15 @@ bool always_same(const model::Model& model, const EffectSet& a, const EffectSet&
   return laws_of(model, a) == laws_of(model, b);
 }
 
+bool stands_for_a_member(const model::Model& model, const EffectSet& members, Effect e) {
+  return std::any_of(members.begin(), members.end(), [&](Effect m) { return always_same(model, {m}, {e}); });
+}
+
+bool names_twice(const model::Model& model, const EffectSet& effects) {
+  return std::any_of(effects.begin(), effects.end(),
+                     [&](Effect e) { return stands_for_a_member(model, without(effects, e), e); });
+}
+
 std::vector<EffectSet> in_other_names(const model::Model& model, const EffectSet& effects,
                                       const EffectSet& usable) {
   std::vector<EffectSet> all;

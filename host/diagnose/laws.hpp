@@ -17,6 +17,11 @@ std::set<dynamics::Effect> laws_of(const model::Model& model, const EffectSet& e
 
 bool always_same(const model::Model& model, const EffectSet& a, const EffectSet& b);
 
+/// Whether a set holds an effect, or its law under another name.
+bool stands_for_a_member(const model::Model& model, const EffectSet& members, dynamics::Effect e);
+/// Whether a set holds one law under two names.
+bool names_twice(const model::Model& model, const EffectSet& effects);
+
 /// The set in other words that need no more parameters, each with effects of `usable` in the place of one
 /// member, or of a friction and a constant force.
 std::vector<EffectSet> in_other_names(const model::Model& model, const EffectSet& effects,

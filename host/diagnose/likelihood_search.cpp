@@ -1,7 +1,6 @@
 #include "host/diagnose/likelihood_search.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
 #include "host/core/error.hpp"
@@ -42,6 +41,7 @@ class LikelihoodSearch {
       const Hypothesis next = best->to;
       if (!about(next.fitted)) break;
       chosen_ = fit(next.effects, next);
+      if (chosen_.failed) return std::nullopt;
       moves.clear();
     }
     // For the likelihood, what is missing is a random force; for free runs it is not.
@@ -98,22 +98,14 @@ class LikelihoodSearch {
     return evidence / misfit_ + trainer_.prior(h.effects) - trainer_.prior(chosen_.effects);
   }
 
-  bool stands_for_a_member(const EffectSet& members, Effect e) const {
-    return std::any_of(members.begin(), members.end(),
-                       [&](Effect m) { return always_same(trainer_.model, {m}, {e}); });
-  }
-  bool names_twice(const EffectSet& effects) const {
-    return std::any_of(effects.begin(), effects.end(),
-                       [&](Effect e) { return stands_for_a_member(without(effects, e), e); });
-  }
-
   /// Those that mean something. What a larger set takes off free runs must go beyond what two honest
   /// simulators differ by, too.
   std::vector<Move> weighed(std::vector<Hypothesis> sets) const {
     const Hypothesis now = by_free_runs(chosen_);
     std::vector<Move> moves;
     for (Hypothesis& h : sets) {
-      if (h.failed || !h.meaningful || names_twice(h.effects) || h.effects == chosen_.effects) continue;
+      if (h.failed || !h.meaningful || names_twice(trainer_.model, h.effects) || h.effects == chosen_.effects)
+        continue;
       const double its = odds(h);
       if (its > 0.0 && has_more(h) && !trainer_.compare(now, by_free_runs(h), all_.size()).counts) continue;
       moves.push_back({std::move(h), its});
@@ -153,6 +145,7 @@ class LikelihoodSearch {
     core::parallel_for(members.size(), trainer_.threads,
                        [&](std::size_t i) { without_[i] = fit(without(members, members[i]), chosen_); });
     struct Place {
+      std::size_t group;  ///< of those on the same set
       const Hypothesis* on;
       std::optional<Effect> of;  ///< that is not in `on`
       Effect effect;
@@ -162,12 +155,14 @@ class LikelihoodSearch {
       bool is_other_name() const { return of && twins(*of, effect); }
     };
     std::vector<Place> places;
+    std::size_t groups = 0;
     const auto add = [&](const Hypothesis& on, std::optional<Effect> of) {
       const double left = proposer.squares_left(on);
       for (const Effect e : all_)
-        if (!holds(members, e) && !names_twice(extended(on.effects, e)) &&
-            (of || !stands_for_a_member(members, e)))
-          places.push_back({&on, of, e, left});
+        if (!holds(members, e) && !names_twice(trainer_.model, extended(on.effects, e)) &&
+            (of || !stands_for_a_member(trainer_.model, members, e)))
+          places.push_back({groups, &on, of, e, left});
+      ++groups;
     };
     if (members.size() < kMostEffects) add(chosen_, std::nullopt);
     for (std::size_t i = 0; i < members.size(); ++i)
@@ -177,12 +172,12 @@ class LikelihoodSearch {
       p.proposal = proposer.best(*p.on, extended(p.on->effects, p.effect), p.effect, p.left);
     });
     std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-      return a.on != b.on ? a.on < b.on : a.proposal.gain > b.proposal.gain;
+      return a.group != b.group ? a.group < b.group : a.proposal.gain > b.proposal.gain;
     });
     std::vector<const Place*> fits;
     std::size_t of_this = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
-      of_this = i > 0 && places[i].on == places[i - 1].on ? of_this + 1 : 0;
+      of_this = i > 0 && places[i].group == places[i - 1].group ? of_this + 1 : 0;
       if (places[i].is_other_name() || (of_this < kFits && places[i].proposal.gain > 0.0))
         fits.push_back(&places[i]);
     }

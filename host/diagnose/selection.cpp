@@ -204,18 +204,6 @@ class Search {
     return always_same(trainer_.model, one.effects, other.effects) || the_same(one, other);
   }
 
-  /// Whether a set holds an effect, or its law under another name.
-  bool stands_for_a_member(const EffectSet& members, Effect e) const {
-    return std::any_of(members.begin(), members.end(),
-                       [&](Effect m) { return always_same(trainer_.model, {m}, {e}); });
-  }
-
-  /// Whether a set holds one law under two names.
-  bool names_twice(const EffectSet& effects) const {
-    return std::any_of(effects.begin(), effects.end(),
-                       [&](Effect e) { return stands_for_a_member(diagnose::without(effects, e), e); });
-  }
-
   /// The effect that removes most, if that is more than chance and numerics could; of those that remove as
   /// much, the one with the fewest parameters, then the first of the catalogue. Which are worth a fit is seen
   /// from one linear step each. Then the next.
@@ -223,7 +211,7 @@ class Search {
     for (std::size_t round = first_round; round < kMostEffects; ++round) {
       EffectSet left;
       for (Effect e : all_)
-        if (!stands_for_a_member(s_.chosen.effects, e)) left.push_back(e);
+        if (!stands_for_a_member(trainer_.model, s_.chosen.effects, e)) left.push_back(e);
       const double from = 0.05 + 0.18 * static_cast<double>(round);
       std::vector<Proposal> proposals = propose(s_.chosen, left, from, 0.09);
       if (round == 0) first_screenings_ = proposals;
@@ -276,7 +264,7 @@ class Search {
         if (++others == kBeam) break;
       }
     }
-    std::erase_if(sets, [&](const auto& s) { return names_twice(s.first); });
+    std::erase_if(sets, [&](const auto& s) { return names_twice(trainer_.model, s.first); });
     std::vector<Tried> swaps(sets.size());
     core::parallel_for(sets.size(), trainer_.threads, [&](std::size_t i) {
       swaps[i] = {fit_if_it_runs(sets[i].first, *sets[i].second), round, {}};
@@ -448,7 +436,8 @@ class Search {
       const Hypothesis& on = first->hypothesis;
       EffectSet left;
       for (Effect e : all_)
-        if (!stands_for_a_member(on.effects, e) && !contains(e, on.effects.front())) left.push_back(e);
+        if (!stands_for_a_member(trainer_.model, on.effects, e) && !contains(e, on.effects.front()))
+          left.push_back(e);
       const std::vector<Proposal> proposals = propose(on, left, 0.78, 0.02);
       std::vector<Tried> trials(std::min(proposals.size(), kFewestFits));
       core::parallel_for(trials.size(), trainer_.threads, [&](std::size_t i) {
@@ -539,7 +528,7 @@ class Search {
     double most = kTenTimes;
     for (const auto& [effects, h] : pool_) {
       if (effects.empty() || effects.size() > s_.chosen.effects.size() || !h.meaningful ||
-          names_twice(effects) || !trainer_.compare(s_.refitted, h, all_.size()).significant)
+          names_twice(trainer_.model, effects) || !trainer_.compare(s_.refitted, h, all_.size()).significant)
         continue;
       if (const double odds = odds_for(h); odds > most) most = odds, best = &h;
     }
@@ -554,7 +543,7 @@ class Search {
     double most = kTenTimes;
     for (const auto& [effects, h] : pool_) {
       if (effects.size() <= s_.chosen.effects.size() || effects.size() > kMostEffects || !h.meaningful ||
-          names_twice(effects) || !trainer_.compare(s_.chosen, h, all_.size()).counts)
+          names_twice(trainer_.model, effects) || !trainer_.compare(s_.chosen, h, all_.size()).counts)
         continue;
       const std::optional<double> motion = of_motion(h);
       if (!motion) continue;
@@ -824,7 +813,7 @@ class Search {
   std::vector<Selection::Rival> rivals() {
     std::vector<Replacement> replacements;
     for (std::size_t m = 0; m < s_.chosen.effects.size(); ++m) add_replacements(m, replacements);
-    std::erase_if(replacements, [&](const Replacement& r) { return names_twice(r.effects); });
+    std::erase_if(replacements, [&](const Replacement& r) { return names_twice(trainer_.model, r.effects); });
     const std::size_t in_place_of_one = replacements.size();
     add_other_names(replacements);
     std::vector<Hypothesis> fitted(replacements.size());

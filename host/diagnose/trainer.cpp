@@ -126,7 +126,7 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   for (Effect e : effects) {
     // A rate of which none would be infinite (a ground that gives) fits anything by being large: it must be known, too.
     const bool has_none = identify::neutral_value(model, dynamics::info(e).parameter_table[0]).has_value();
-    // Whitened, the likelihood without an effect tells whether it is there, in what direction of its values ever.
+    // Whitened, whether it is there is told by the likelihood of the set without it.
     if (h.meaningful)
       h.meaningful =
           told_from_special_case(h, e) &&
