@@ -54,7 +54,8 @@ struct Finding {
   double held_out_mae_after = 0.0;
   // 95 % intervals over the held-out recordings (bootstrap.hpp), of the share and of the MAE's fall.
   std::optional<Interval> removed_interval, mae_gain_interval;
-  bool contradicted = false;  ///< the held-out recordings are predicted worse with it than without it
+  bool helps = false;         ///< the held-out recordings are predicted better with it than without it
+  bool contradicted = false;  ///< ... worse
   double confidence = 0.0;
   std::vector<std::string> lowered_by;  ///< what limits the confidence, in words
   /// encoder_slip: each jump of the training recordings; those that the held-out ones are seen to have, which

@@ -34,8 +34,7 @@ inline bool contains(dynamics::Effect larger, dynamics::Effect smaller) {
 }
 
 /// Two effects of one parameter each that are one law under two names, on some kind of machine
-/// (docs/contracts.md, section 3; on which kinds whatever the recordings, always_same() in diagnose.cpp
-/// knows).
+/// (docs/contracts.md, section 3; on which kinds whatever the recordings, always_same() in laws.hpp knows).
 inline bool twins(dynamics::Effect a, dynamics::Effect b) {
   using dynamics::Effect;
   const auto are = [&](Effect one, Effect other) {

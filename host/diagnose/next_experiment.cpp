@@ -6,6 +6,7 @@
 
 #include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
+#include "host/diagnose/laws.hpp"
 #include "host/diagnose/wording.hpp"
 #include "host/linear/linear.hpp"
 #include "host/machines/rules.hpp"
@@ -220,6 +221,18 @@ std::vector<Experiment> library(const model::Model& model, const std::vector<Rec
   std::vector<Experiment> all;
   for (auto& [what, run] : experiment_library.take())
     all.push_back({std::move(what), Scenario(std::move(run))});
+  return all;
+}
+
+std::vector<const Hypothesis*> to_be_told_apart(const model::Model& model, const Selection& selection) {
+  constexpr std::size_t kMostRivals = 4;
+  std::vector<const Hypothesis*> all{&selection.chosen};
+  for (const auto& rival : selection.equals)
+    if (all.size() <= kMostRivals && std::none_of(all.begin(), all.end(), [&](const Hypothesis* h) {
+          return h->effects == rival.hypothesis.effects ||
+                 always_same(model, h->effects, rival.hypothesis.effects);
+        }))
+      all.push_back(&rival.hypothesis);
   return all;
 }
 

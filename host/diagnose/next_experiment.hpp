@@ -13,6 +13,9 @@ namespace furcula::diagnose {
 std::vector<Experiment> library(const model::Model& model,
                                 const std::vector<identify::Recording>& recordings);
 
+/// The chosen set and of its rivals four at most, that are other laws than all before them.
+std::vector<const Hypothesis*> to_be_told_apart(const model::Model& model, const Selection& selection);
+
 /// The library's experiments that can be simulated, the most telling first, each evaluated for the candidates
 /// (two or more, fitted to `recordings` over `training`). Deterministic.
 std::vector<Experiment> experiments_that_tell(const model::Model& model,

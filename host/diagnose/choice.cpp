@@ -1,0 +1,125 @@
+#include "host/diagnose/choice.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "host/diagnose/effect_set.hpp"
+#include "host/diagnose/exclusion.hpp"
+#include "host/machines/rules.hpp"
+
+namespace furcula::diagnose {
+namespace {
+
+using dynamics::Effect;
+
+/// Whether inputs are a drive's, of which a log may have what is measured at each row's time, or what acts until the next.
+bool has_drive(dynamics::Kind kind) {
+  const machines::Columns& columns = machines::rules(kind).columns;
+  return !columns.input.empty() && columns.touchdown.empty() && !ends_on_teeth(kind);
+}
+
+/// Whether `other` leaves less than `data` with these causes, by more than chance makes of the windows.
+bool fits_better(const model::Model& model, const DataSet& other, const DataSet& data,
+                 const EffectSet& effects, const Hypothesis* from, unsigned threads) {
+  constexpr double kSurely = 2.0;  // standard errors
+  const auto left = [&](const DataSet& of) {
+    const Trainer trainer{model, of.training(), of.training_windows(), threads};
+    const Hypothesis h = trainer.fit(effects, from);
+    const auto wider = effects.empty() ? trainer.widened(h) : std::nullopt;
+    return (wider ? *wider : h).fit.shares;
+  };
+  const auto now = left(data), then = left(other);
+  if (now.size() != then.size()) return false;
+  double gain = 0.0, scatter = 0.0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const double more =
+        now[i][identify::Channel::motion].squares - then[i][identify::Channel::motion].squares;
+    gain += more;
+    scatter += more * more;
+  }
+  return gain > kSurely * std::sqrt(scatter * static_cast<double>(data.training_windows().layers));
+}
+
+/// Lowers the bound to what `h` leaves of most windows; whether that is clearly less.
+bool bound_by(DataSet& data, const Hypothesis& h) {
+  constexpr double kClearly = 0.7;
+  const double most = identify::most_squares_of(h.fit.shares);
+  if (!(most < kClearly * data.training_windows().most_squares)) return false;
+  data.bound_squares(most);
+  return true;
+}
+
+/// Of a belt, a fall that ends on another tooth must not outweigh the others: each counts by a loss that is bounded, by the size of most
+/// of them as the re-fitted model leaves them, and then as what is chosen does.
+Selection selected(const model::Model& model, DataSet& data, const Options& options) {
+  const bool jumps = ends_on_teeth(model.kind);
+  const auto select_now = [&](double from) {
+    const Progress half = [&](double fraction, std::string_view what) {
+      options.progress(from + 0.5 * fraction, what);
+    };
+    return select(model, data.training(), data.training_windows(), options.threads,
+                  jumps && options.progress ? half : options.progress, options.without);
+  };
+  constexpr int kRounds = 4;
+  for (int round = 0; jumps && round < kRounds; ++round)
+    if (!bound_by(data,
+                  Trainer{model, data.training(), data.training_windows(), options.threads}.fit({}, nullptr)))
+      break;
+  Selection selection = select_now(0.0);
+  if (jumps && bound_by(data, selection.chosen)) selection = select_now(0.5);
+  return selection;
+}
+
+bool is_late(const Hypothesis& h) {
+  return holds(h.effects, Effect::actuator_delay) || holds(h.effects, Effect::actuator_lag) ||
+         holds(h.effects, Effect::time_skew);
+}
+
+}  // namespace
+
+DataSet with_likelier_inputs(const model::Model& model, DataSet data, unsigned threads) {
+  if (!has_drive(model.kind)) return data;
+  DataSet other = data.with_other_inputs();
+  if (fits_better(model, other, data, {}, nullptr, threads)) return other;
+  return data;
+}
+
+/// The causes may be why one way of reading seemed better than the other: the better end of two searches counts. A drive that is late is late
+/// after a command, and that is held.
+Selection choose_causes(const model::Model& model, DataSet& data, const Options& options) {
+  Selection selection = selected(model, data, options);
+  const Hypothesis& chosen = selection.chosen;
+  const bool late = is_late(chosen);
+  if (chosen.effects.empty() || (late ? !data.measured_inputs() : !has_drive(model.kind))) return selection;
+  DataSet other = data.with_other_inputs();
+  if (!late && !fits_better(model, other, data, chosen.effects, &chosen, options.threads)) return selection;
+  Selection again = selected(model, other, options);
+  if (late ? !is_late(again.chosen) : !(again.chosen.fit.squares < chosen.fit.squares)) return selection;
+  data = std::move(other);
+  return again;
+}
+
+std::optional<identify::Disagreement> odd_recording(const model::Model& model, const DataSet& data,
+                                                    const Selection& selection, unsigned threads) {
+  if (holds(selection.chosen.effects, Effect::encoder_slip)) return std::nullopt;
+  std::vector<const Hypothesis*> sets;
+  std::vector<identify::FittedSet> fitted;
+  const auto add = [&](const Hypothesis& h) {
+    if (h.failed) return;
+    sets.push_back(&h);
+    fitted.push_back({with_slips(model, data.training(), h.effects), h.unknowns, h.fit});
+  };
+  add(selection.chosen);
+  add(selection.refitted);
+  for (const Hypothesis& h : selection.without) add(h);
+  for (const Tried& t : selection.tried)
+    if (t.round == 0) add(t.hypothesis);
+  const Trainer trainer{model, data.training(), data.training_windows(), threads};
+  return identify::disagreeing(fitted, data.training(), data.training_windows().windows,
+                               [&](std::size_t set, std::size_t recording, const identify::Fit& without) {
+                                 return log_odds_of_another(trainer, selection, *sets[set], recording,
+                                                            without) > 0.0;
+                               });
+}
+
+}  // namespace furcula::diagnose
