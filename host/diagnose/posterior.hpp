@@ -42,7 +42,7 @@ struct ConfidenceRules {
   double not_confirmed = 0.5;
   double least_confirmation = 0.1;
   /// Or by less than this of all squares, whatever there is to explain: as little as a flexible law may take off
-  /// what is adequate (remainder.cpp).
+  /// what is adequate (predictable.hpp).
   double least_gain = 0.02;
   /// The law was seen in so small a part that others look alike.
   double little_seen = 0.5;

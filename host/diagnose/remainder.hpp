@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/diagnose/predictable.hpp"
 #include "host/diagnose/whiteness.hpp"
 #include "host/identify/recording.hpp"
 #include "host/identify/whitening.hpp"
@@ -19,20 +20,6 @@
 #include "host/model/model.hpp"
 
 namespace furcula::diagnose {
-
-/// What the flexible law does on recordings that it was not learned on.
-struct Predictable {
-  double force = 0.0;  ///< root mean square of what it adds
-  double share =
-      0.0;  ///< of the squares that free runs with their best start leave, what it takes off; below 0: it adds
-  double deviations =
-      0.0;  ///< what it gains, in standard errors of that over the windows: by what the filter finds new, or by free runs
-  double noises =
-      0.0;  ///< root mean square of what it changes in the positions of free runs, over the sensor's noise
-
-  /// It takes off something that counts.
-  bool counts(double typical_force) const;
-};
 
 /// A filtered sensor's rows go along with the rows before by less than this.
 inline constexpr double kColoured = 0.9;
