@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "host/core/error.hpp"
 #include "host/core/parallel.hpp"
 #include "host/diagnose/bootstrap.hpp"
 #include "host/diagnose/effect_set.hpp"
@@ -29,7 +28,7 @@ class LikelihoodSearch {
   std::optional<Selection> run(const Selection& first) {
     trainer_.reference_squares = squares_of_body(first.refitted);
     if (!about(first.chosen.fitted)) return std::nullopt;
-    chosen_ = fit(first.chosen.effects, first.chosen);
+    chosen_ = trainer_.fit_if_it_runs(first.chosen.effects, first.chosen);
     if (chosen_.failed) return std::nullopt;
     std::vector<Move> moves = known(first);
     for (int k = 0;; ++k) {
@@ -40,7 +39,7 @@ class LikelihoodSearch {
       if (best == nullptr) break;
       const Hypothesis next = best->to;
       if (!about(next.fitted)) break;
-      chosen_ = fit(next.effects, next);
+      chosen_ = trainer_.fit_if_it_runs(next.effects, next);
       if (chosen_.failed) return std::nullopt;
       moves.clear();
     }
@@ -75,17 +74,6 @@ class LikelihoodSearch {
     trainer_.whitening = std::move(*whitening);
     trainer_.fitted = std::make_shared<FittedSets>();
     return true;
-  }
-
-  Hypothesis fit(const EffectSet& effects, const Hypothesis& from, const Starts& starts = {}) const {
-    try {
-      return trainer_.fit(effects, &from, starts);
-    } catch (const core::DataError&) {  // the model runs away from there
-      Hypothesis none;
-      none.effects = effects;
-      none.failed = true;
-      return none;
-    }
   }
 
   double odds(const Hypothesis& h) const {
@@ -131,8 +119,9 @@ class LikelihoodSearch {
     for (const auto& [effects, h] : sets) from.push_back(h);
     misfit_ = overdispersion(chosen_.fit, units_of(trainer_.training.windows));
     std::vector<Hypothesis> fitted(from.size());
-    core::parallel_for(from.size(), trainer_.threads,
-                       [&](std::size_t i) { fitted[i] = fit(from[i]->effects, *from[i]); });
+    core::parallel_for(from.size(), trainer_.threads, [&](std::size_t i) {
+      fitted[i] = trainer_.fit_if_it_runs(from[i]->effects, *from[i]);
+    });
     return weighed(std::move(fitted));
   }
 
@@ -142,8 +131,9 @@ class LikelihoodSearch {
     const Proposer proposer(trainer_);
     const EffectSet& members = chosen_.effects;
     without_.assign(members.size(), {});
-    core::parallel_for(members.size(), trainer_.threads,
-                       [&](std::size_t i) { without_[i] = fit(without(members, members[i]), chosen_); });
+    core::parallel_for(members.size(), trainer_.threads, [&](std::size_t i) {
+      without_[i] = trainer_.fit_if_it_runs(without(members, members[i]), chosen_);
+    });
     struct Place {
       std::size_t group;  ///< of those on the same set
       const Hypothesis* on;
@@ -191,9 +181,9 @@ class LikelihoodSearch {
       }
       Hypothesis others = chosen_;  // the other members stay what they are
       others.fitted.effects.erase(*p.of);
-      sets[i] =
-          fit(effects, others,
-              {{p.effect, in_other_words(chosen_.fitted, *p.of, p.effect).value_or(p.proposal.values)}});
+      sets[i] = trainer_.fit_if_it_runs(
+          effects, others,
+          {{p.effect, in_other_words(chosen_.fitted, *p.of, p.effect).value_or(p.proposal.values)}});
     });
     sets.insert(sets.end(), without_.begin(), without_.end());
     return weighed(std::move(sets));

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
 #include "host/diagnose/effect_set.hpp"
 #include "host/linear/linear.hpp"
@@ -273,11 +272,8 @@ Hypothesis fit_new(const Trainer& trainer, const EffectSet& larger, const Hypoth
   best.failed = true;
   const auto try_from = [&](const Hypothesis& from,
                             const std::array<double, dynamics::kMaxEffectParameters>& values) {
-    try {
-      Hypothesis other = trainer.fit(larger, &from, {{e, values}});
-      if (best.failed || other.fit.squares < best.fit.squares) best = std::move(other);
-    } catch (const core::DataError&) {  // from there the model runs away: no start
-    }
+    Hypothesis other = trainer.fit_if_it_runs(larger, from, {{e, values}});
+    if (!other.failed && (best.failed || other.fit.squares < best.fit.squares)) best = std::move(other);
   };
   try_from(on, proposal.values);
   // Where the teeth of a clutch or many shapes lie between the starts, the next best of these as well.

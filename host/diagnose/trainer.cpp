@@ -137,6 +137,18 @@ Hypothesis Trainer::fit(const std::vector<Effect>& effects, const Hypothesis* fr
   return h;
 }
 
+Hypothesis Trainer::fit_if_it_runs(const std::vector<Effect>& effects, const Hypothesis& from,
+                                   const Starts& starts) const {
+  try {
+    return fit(effects, &from, starts);
+  } catch (const core::DataError&) {
+    Hypothesis none;
+    none.effects = effects;
+    none.failed = true;
+    return none;
+  }
+}
+
 bool Trainer::clutch_works() const {
   return dynamics::has(model.kind, dynamics::LocationType::belt) ||
          (model.clutch && std::any_of(recordings.begin(), recordings.end(),
@@ -344,12 +356,8 @@ std::optional<Hypothesis> Trainer::widened(const Hypothesis& refitted) const {
   }
   if (!held) return std::nullopt;
   const Trainer trainer{wide, recordings, training, threads};
-  Hypothesis wider;
-  try {
-    wider = trainer.fit({}, &refitted);
-  } catch (const core::DataError&) {  // it runs away beyond the bounds
-    return std::nullopt;
-  }
+  const Hypothesis wider = trainer.fit_if_it_runs({}, refitted);
+  if (wider.failed) return std::nullopt;
   const double evidence = evidence_of(refitted.fit, wider.fit, wider.fit, training.layers);
   if (evidence < chi_square_point(1.0, static_cast<double>(wider.unknowns.size())) ||
       wider.fit.squares > (1.0 - kSmallestGain) * refitted.fit.squares)

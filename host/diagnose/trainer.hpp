@@ -51,6 +51,10 @@ struct Trainer {
   Hypothesis fit(const std::vector<dynamics::Effect>& effects, const Hypothesis* from,
                  const Starts& starts = {}) const;
 
+  /// The same; marked as failed where the model runs away from there.
+  Hypothesis fit_if_it_runs(const std::vector<dynamics::Effect>& effects, const Hypothesis& from,
+                            const Starts& starts = {}) const;
+
   /// The re-fitted model with wider bounds for those that it lies on; nothing where it lies on none, or where
   /// it gains nothing by it. Zero, where a parameter ends physically, is not widened.
   std::optional<Hypothesis> widened(const Hypothesis& refitted) const;

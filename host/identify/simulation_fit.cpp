@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <numbers>
 
 #include "host/core/error.hpp"
 #include "host/core/quantile.hpp"
@@ -222,6 +223,14 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
 
 namespace {
 
+/// A phase is the same a turn further: into [-pi, pi], as it is expected to be reported.
+void wrap_phases(std::vector<double>& values, const std::vector<Unknown>& unknowns) {
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (unknowns[i].of_effect && dynamics::info(unknowns[i].effect).search.swings &&
+        unknowns[i].parameter == 2)
+      values[i] = std::remainder(values[i], 2.0 * std::numbers::pi);
+}
+
 /// Moves the values and start states to where the squares are least. False where the runs do not stay finite.
 bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<double>& values,
            const Effort& effort) {
@@ -256,6 +265,7 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
   }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
+  wrap_phases(values, unknowns);
   return summary.IsSolutionUsable();
 }
 

@@ -1,6 +1,7 @@
 // Both estimators against closed forms with known noise.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "host/identify/equation_fit.hpp"
 #include "host/identify/simulation_fit.hpp"
@@ -145,6 +146,29 @@ TEST_CASE("A value at its bound is told as such, with the bound") {
   const auto f = fitted({test::axis_log(95.0, 203.5, 1e-5, 1)}, model, false);
   CHECK(f.verdicts[0].verdict == "at_bound");
   CHECK(f.verdicts[0].with == "upper");
+}
+
+TEST_CASE("A phase is told within half a turn of zero, from wherever its fit began") {
+  // The encoder's wheel is eccentric: 2 mm, once in 0.12 m.
+  constexpr double kPhase = 1.9;
+  std::vector<identify::Recording> recordings;
+  for (unsigned i = 0; i < 3; ++i) {
+    log::Log log = test::flight_log({.height = 0.0, .velocity = 2.0 + i}, 9e-5, i);
+    for (double& z : log.columns["height_m"])
+      z += 2e-3 * std::sin(2.0 * std::numbers::pi * z / 0.12 + kPhase);
+    recordings.push_back(identify::make_recording(log, dynamics::Kind::rail_carriage));
+  }
+  const auto model = test::carriage_model();
+  const auto training = identify::training_windows(recordings, model, 0.5);
+  const auto unknowns =
+      identify::effect_unknowns(dynamics::Effect::height_eccentricity, dynamics::Kind::rail_carriage);
+  for (const double turns : {-1.0, 0.0, 1.0}) {
+    const auto fit = identify::fit_by_simulation(
+        model, unknowns, {2e-3, 0.12, kPhase + 2.0 * std::numbers::pi * turns}, recordings, training.windows,
+        identify::Weighting::noise, training.layers);
+    CAPTURE(turns, fit.values, fit.squares, fit.at_bound, training.windows.size(), training.layers);
+    CHECK(fit.values[2] == Approx(kPhase).margin(0.05));
+  }
 }
 
 TEST_CASE("A free swing tells gravity torque over inertia, not each") {
