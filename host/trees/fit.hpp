@@ -150,6 +150,8 @@ class Problem {
   double timing_doubt(const Cause& cause) const;
   /// Derivatives of those unknowns that `beside` does not have; the others are taken from there.
   void derive_beside(const Fit& beside, const std::vector<Eigen::VectorXd>& residuals, Fit& out) const;
+  /// How well the unknowns are known, from the products at them: all of Fit but where it is, its loss and its derivatives.
+  void set_intervals(const Products& p, double ridge, Fit& out) const;
   Products products_of(const std::vector<Eigen::VectorXd>& residuals,
                        const std::vector<Eigen::MatrixXd>& columns) const;
   Setup make(const Hypothesis& h) const { return maker_.make(h); }

@@ -50,7 +50,6 @@ struct Found {
   struct Tried {
     Cause cause;
     double gain;  ///< share of the residuals that it would remove, by the linear test at the model re-fitted
-    bool chosen;
   };
   std::vector<Tried> table;  ///< the best of the first round
   /// What a candidate would gain at the end that the windows are sure of, and the recordings do not agree on: of the loss.

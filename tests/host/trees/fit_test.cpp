@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "host/trees/friction_at_rest.hpp"
@@ -109,6 +110,25 @@ TEST_CASE("Starts that are hardly known spoil no fit, though the motion is no li
   CHECK(off < 1.5 * sd);
   CHECK(std::abs(spoilt.at.drives[1].damping_nmspr - good.at.drives[1].damping_nmspr) < 2.0 * sd);
   CHECK(std::abs(spoilt.at.drives[1].damping_nmspr - 0.08) < 3.0 * off);
+}
+
+TEST_CASE("A ripple's phase is told within half a turn of zero, from wherever its fit began") {
+  constexpr double kPhase_rad = 1.9;
+  const trees::TreeModel model = test::pendulum();
+  trees::TreeModel truth = model;
+  truth.causes.push_back({Effect::torque_ripple, {0}, {0.05, 6.0, kPhase_rad, 0}});
+  const auto all = recordings(model, test::logs(truth, 3, 6.0, 11));
+  trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), 2);
+  for (const double turns : {-1.0, 0.0, 1.0}) {
+    CAPTURE(turns);
+    const trees::Hypothesis from{
+        model.drives,
+        {{Effect::torque_ripple, {0}, {0.04, 6.0, kPhase_rad + turns * 2.0 * std::numbers::pi - 0.2, 0}}}};
+    problem.weigh(from);
+    const trees::Fit fit = problem.fit(from, 8);
+    CHECK(fit.at.causes[0].values[0] == Approx(0.05).epsilon(0.1));
+    CHECK(fit.at.causes[0].values[2] == Approx(kPhase_rad).margin(0.1));
+  }
 }
 
 TEST_CASE(
