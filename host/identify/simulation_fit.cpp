@@ -58,33 +58,44 @@ WindowShare bounded(WindowShare share, double most) {
   return share;
 }
 
-/// The window's share at these values, its start state moved to its own optimum: by so many Gauss-Newton
-/// rounds, and from there by a linear step.
-WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start, int rounds) {
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Moves the window's start state towards its own optimum at these values, by at most so many Gauss-Newton rounds.
+void settle(const WindowCost& cost, const std::vector<double>& values, double* start, int rounds) {
   const auto rows = static_cast<Eigen::Index>(cost.num_residuals());
-  const auto count = static_cast<Eigen::Index>(values.size());
   Eigen::VectorXd residual(rows);
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  RowMajor by_unknowns(rows, count);
   RowMajor by_start(rows, kStartSize);
-  const auto evaluate = [&](const double* at, double* of_unknowns) {
+  const auto evaluate = [&](const double* at) {
     const double* blocks[2] = {values.data(), at};
-    double* jacobians[2] = {of_unknowns, by_start.data()};
-    return count == 0 ? cost.Evaluate(blocks + 1, residual.data(), jacobians + 1)
-                      : cost.Evaluate(blocks, residual.data(), jacobians);
+    double* jacobians[2] = {nullptr, by_start.data()};
+    const bool some = !values.empty();
+    return cost.Evaluate(blocks + (some ? 0 : 1), residual.data(), jacobians + (some ? 0 : 1));
   };
   double best = std::numeric_limits<double>::infinity();
-  if (rounds > 0 && evaluate(start, nullptr)) best = residual.squaredNorm();
+  if (rounds > 0 && evaluate(start)) best = residual.squaredNorm();
   for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector2d step = by_start.colPivHouseholderQr().solve(residual);
     const double trial[kStartSize] = {start[0] - step(0), start[1] - step(1)};
-    const bool usable = evaluate(trial, nullptr);
+    const bool usable = evaluate(trial);
     const double squares = usable ? residual.squaredNorm() : best;
     if (!(squares < best * (1.0 - 1e-9))) break;
     best = squares;
     std::copy(trial, trial + kStartSize, start);
   }
-  evaluate(start, by_unknowns.data());
+}
+
+/// The window's share at these values, its start state settled by so many rounds, and from there by a linear step.
+WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, double* start, int rounds) {
+  settle(cost, values, start, rounds);
+  const auto rows = static_cast<Eigen::Index>(cost.num_residuals());
+  const auto count = static_cast<Eigen::Index>(values.size());
+  Eigen::VectorXd residual(rows);
+  RowMajor by_unknowns(rows, count);
+  RowMajor by_start(rows, kStartSize);
+  const double* blocks[2] = {values.data(), start};
+  double* jacobians[2] = {by_unknowns.data(), by_start.data()};
+  const bool some = count > 0;
+  cost.Evaluate(blocks + (some ? 0 : 1), residual.data(), jacobians + (some ? 0 : 1));
   WindowShare share;
   const Eigen::ColPivHouseholderQR<RowMajor> qr(by_start);
   const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, qr.rank());
@@ -117,7 +128,6 @@ WindowShare share_of(const WindowCost& cost, const std::vector<double>& values, 
 }  // namespace
 
 void take_off_column_means(double* values, std::size_t rows, std::size_t columns) {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::Map<RowMajor> part(values, static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
   part.rowwise() -= part.colwise().mean().eval();
 }
@@ -223,11 +233,12 @@ Fit look_by_simulation(const model::Model& model, const std::vector<Unknown>& un
 
 namespace {
 
+bool is_of_swing(const Unknown& u) { return u.of_effect && dynamics::info(u.effect).search.swings; }
+
 /// A phase is the same a turn further: into [-pi, pi], as it is expected to be reported.
 void wrap_phases(std::vector<double>& values, const std::vector<Unknown>& unknowns) {
   for (std::size_t i = 0; i < unknowns.size(); ++i)
-    if (unknowns[i].of_effect && dynamics::info(unknowns[i].effect).search.swings &&
-        unknowns[i].parameter == 2)
+    if (is_of_swing(unknowns[i]) && unknowns[i].parameter == 2)
       values[i] = std::remainder(values[i], 2.0 * std::numbers::pi);
 }
 
@@ -236,6 +247,9 @@ bool solve(Costs& problems, const std::vector<Unknown>& unknowns, std::vector<do
            const Effort& effort) {
   auto& [costs, starts] = problems;
   if (unknowns.empty() || costs.empty()) return true;
+  // By what goes up and down with the position, right values look wrong beside a start that is off.
+  if (std::any_of(unknowns.begin(), unknowns.end(), is_of_swing))
+    for (std::size_t i = 0; i < costs.size(); ++i) settle(costs[i], values, &starts[kStartSize * i], 1);
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
