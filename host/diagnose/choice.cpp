@@ -1,7 +1,10 @@
 #include "host/diagnose/choice.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "host/diagnose/effect_set.hpp"
 #include "host/diagnose/exclusion.hpp"
@@ -18,26 +21,49 @@ bool has_drive(dynamics::Kind kind) {
   return !columns.input.empty() && columns.touchdown.empty() && !ends_on_teeth(kind);
 }
 
-/// Whether `other` leaves less than `data` with these causes, by more than chance makes of the windows.
-bool fits_better(const model::Model& model, const DataSet& other, const DataSet& data,
-                 const EffectSet& effects, const Hypothesis* from, unsigned threads) {
+/// By how much earlier than they stand there inputs act, rows: from where they are held from their rows on to where they are measured at the
+/// rows' times.
+constexpr double kMostEarly_rows = 0.5;
+
+/// The share of a row by which inputs act early that leaves least with these causes. What is left is nearly a parabola of it, of each window.
+/// As it is with `data` where the windows are not sure that less is left.
+double likeliest_early_rows(const model::Model& model, const DataSet& data, const EffectSet& effects,
+                            const Hypothesis* from, unsigned threads) {
   constexpr double kSurely = 2.0;  // standard errors
-  const auto left = [&](const DataSet& of) {
+  constexpr double kStep = 0.5 * kMostEarly_rows;
+  const auto left = [&](double early_rows) {
+    const DataSet of = data.with_inputs(early_rows);
     const Trainer trainer{model, of.training(), of.training_windows(), threads};
     const Hypothesis h = trainer.fit(effects, from);
     const auto wider = effects.empty() ? trainer.widened(h) : std::nullopt;
-    return (wider ? *wider : h).fit.shares;
+    std::vector<double> squares;
+    for (const identify::WindowShare& s : (wider ? *wider : h).fit.shares)
+      squares.push_back(s[identify::Channel::motion].squares);
+    return squares;
   };
-  const auto now = left(data), then = left(other);
-  if (now.size() != then.size()) return false;
+  const std::vector<double> held = left(0.0), between = left(kStep), measured = left(kMostEarly_rows);
+  if (held.size() != between.size() || held.size() != measured.size()) return data.early_rows();
+  // y(x) = y(1) + slope (x - 1) + curve (x - 1)^2, x in steps.
+  const auto at = [](double y0, double y1, double y2, double x) {
+    return y1 + 0.5 * (y2 - y0) * (x - 1.0) + 0.5 * (y0 - 2.0 * y1 + y2) * (x - 1.0) * (x - 1.0);
+  };
+  const auto sum = [](const std::vector<double>& all) {
+    return std::accumulate(all.begin(), all.end(), 0.0);
+  };
+  const double y0 = sum(held), y1 = sum(between), y2 = sum(measured), curve = y0 - 2.0 * y1 + y2;
+  const double best = curve > 0.0 ? std::clamp(1.0 + 0.5 * (y0 - y2) / curve, 0.0, 2.0)
+                      : y0 <= y2  ? 0.0
+                                  : 2.0;
   double gain = 0.0, scatter = 0.0;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    const double more =
-        now[i][identify::Channel::motion].squares - then[i][identify::Channel::motion].squares;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const double more = at(held[i], between[i], measured[i], data.early_rows() / kStep) -
+                        at(held[i], between[i], measured[i], best);
     gain += more;
     scatter += more * more;
   }
-  return gain > kSurely * std::sqrt(scatter * static_cast<double>(data.training_windows().layers));
+  const bool surely =
+      gain > kSurely * std::sqrt(scatter * static_cast<double>(data.training_windows().layers));
+  return surely ? best * kStep : data.early_rows();
 }
 
 /// Lowers the bound to what `h` leaves of most windows; whether that is clearly less.
@@ -79,20 +105,21 @@ bool is_late(const Hypothesis& h) {
 
 DataSet with_likelier_inputs(const model::Model& model, DataSet data, unsigned threads) {
   if (!has_drive(model.kind)) return data;
-  DataSet other = data.with_other_inputs();
-  if (fits_better(model, other, data, {}, nullptr, threads)) return other;
-  return data;
+  const double early_rows = likeliest_early_rows(model, data, {}, nullptr, threads);
+  return early_rows == data.early_rows() ? data : data.with_inputs(early_rows);
 }
 
-/// The causes may be why one way of reading seemed better than the other: the better end of two searches counts. A drive that is late is late
-/// after a command, and that is held.
+/// The causes may be why inputs seemed to act early: the better end of two searches counts. A drive that is late is late after a command, and
+/// that is held.
 Selection choose_causes(const model::Model& model, DataSet& data, const Options& options) {
   Selection selection = selected(model, data, options);
   const Hypothesis& chosen = selection.chosen;
   const bool late = is_late(chosen);
-  if (chosen.effects.empty() || (late ? !data.measured_inputs() : !has_drive(model.kind))) return selection;
-  DataSet other = data.with_other_inputs();
-  if (!late && !fits_better(model, other, data, chosen.effects, &chosen, options.threads)) return selection;
+  if (chosen.effects.empty() || !has_drive(model.kind)) return selection;
+  const double early_rows =
+      late ? 0.0 : likeliest_early_rows(model, data, chosen.effects, &chosen, options.threads);
+  if (early_rows == data.early_rows()) return selection;
+  DataSet other = data.with_inputs(early_rows);
   Selection again = selected(model, other, options);
   if (late ? !is_late(again.chosen) : !(again.chosen.fit.squares < chosen.fit.squares)) return selection;
   data = std::move(other);

@@ -24,9 +24,9 @@ DataSet::DataSet(const model::Model& model, const std::vector<log::Log>& trainin
   refuse_by_residuals(threads);
 }
 
-DataSet DataSet::with_other_inputs() const {
+DataSet DataSet::with_inputs(double early_rows) const {
   DataSet other(*this);
-  other.measured_inputs_ = !measured_inputs_;
+  other.early_rows_ = early_rows;
   other.read();
   return other;
 }
@@ -53,7 +53,7 @@ void DataSet::read() {
 std::vector<Recording> DataSet::recordings_of(const std::vector<log::Log>& logs,
                                               const Refuted& refuted) const {
   std::vector<Recording> all = identify::make_recordings(logs, model_->kind, refuted);
-  if (measured_inputs_) identify::take_as_measured(all);
+  if (early_rows_ > 0.0) identify::take_earlier(all, early_rows_);
   identify::follow_manoeuvres(all, *model_);
   identify::keep_plausible_leg_angles(all, *model_);
   identify::mend_velocities(all);

@@ -20,10 +20,9 @@ class DataSet {
   DataSet(const model::Model& model, const std::vector<log::Log>& training,
           const std::vector<log::Log>& held_out, double window_s, unsigned threads);
 
-  /// The same logs, without the same rows, with inputs read the other way.
-  DataSet with_other_inputs() const;
-  /// Whether inputs count as measured at the rows' times (identify::take_as_measured()), not as held from then on.
-  bool measured_inputs() const { return measured_inputs_; }
+  /// The same logs, without the same rows, with inputs that act by so much of a row earlier than they stand there (identify::take_earlier()).
+  DataSet with_inputs(double early_rows) const;
+  double early_rows() const { return early_rows_; }
 
   const std::vector<identify::Recording>& training() const { return training_; }
   const std::vector<identify::Recording>& held_out() const { return held_out_; }
@@ -56,7 +55,7 @@ class DataSet {
   const model::Model* model_;
   const std::vector<log::Log>*training_logs_, *held_out_logs_;
   double window_s_;
-  bool measured_inputs_ = false;
+  double early_rows_ = 0.0;  ///< inputs; 0: held from their rows on
   Refuted refuted_in_training_, refuted_in_held_out_;
   std::vector<identify::Recording> training_, held_out_;
   identify::TrainingWindows training_windows_;

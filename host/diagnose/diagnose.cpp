@@ -91,8 +91,10 @@ void add_notes(Diagnosis& d, const model::Model& model, const DataSet& data, con
   const auto add = [&](std::optional<std::string> note) {
     if (note) d.notes.push_back(std::move(*note));
   };
-  if (data.measured_inputs())
-    add("Inputs count as measured at the rows' times: between two rows the mean of both acts. The recordings are likelier so than with inputs that are held until the next row.");
+  if (data.early_rows() > 0.0)
+    add("Inputs act " + number(data.early_rows()) + " rows (" +
+        number(1e3 * data.early_rows() * identify::row_s(data.training().front())) +
+        " ms) before their rows: by half a row as torques do that are measured at the rows' times, by less as commands do that change more often than there are rows. That is allowed for, and no cause.");
   add(note_one_scale(model, d.findings));
   if (support.undecided) add(note_held_out_that_tells(model, selection, held_out, d.main_unit));
 }

@@ -346,9 +346,15 @@ std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynami
   return all;
 }
 
-void take_as_measured(std::vector<Recording>& recordings) {
+double row_s(const Recording& r) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < r.rows(); ++i) steps.push_back(r.time_s[i] - r.time_s[i - 1]);
+  return core::quantile(steps, 0.5);
+}
+
+void take_earlier(std::vector<Recording>& recordings, double rows) {
   for (Recording& r : recordings) {
-    for (std::size_t i = 0; i + 1 < r.rows(); ++i) r.input[i] = 0.5 * (r.input[i] + r.input[i + 1]);
+    for (std::size_t i = 0; i + 1 < r.rows(); ++i) r.input[i] += rows * (r.input[i + 1] - r.input[i]);
     sum_inputs(r);
   }
 }

@@ -91,8 +91,12 @@ Recording make_recording(const log::Log& log, dynamics::Kind kind,
 std::vector<Recording> make_recordings(const std::vector<log::Log>& logs, dynamics::Kind kind,
                                        const std::vector<std::vector<log::Refuted>>& refuted = {});
 
-/// Between two rows the mean of their inputs acts, in place of the first one's: of forces and torques that are measured at the rows' times.
-void take_as_measured(std::vector<Recording>& recordings);
+/// From one row to the next, median.
+double row_s(const Recording& r);
+
+/// Inputs act by a share of a row earlier than they stand there, from 0 to 1: between two rows so much of the next one's acts in place of the
+/// first one's. Half a row: what is measured at the rows' times. Less: of commands that change more often than there are rows.
+void take_earlier(std::vector<Recording>& recordings, double rows);
 
 /// The recording that this one goes on from, the end of one log being held out: of the same name, and before it; nothing where there is none.
 const Recording* goes_on_from(const Recording& r, const std::vector<Recording>& earlier);

@@ -482,6 +482,19 @@ std::vector<Window> telling(const std::vector<WindowShare>& shares, const std::v
   return some;
 }
 
+/// An input acts from half a row before to half a row after its row, each as likely: no window tells by how much. By as much a drive may be late.
+void add_timing_doubt(Fit& fit, const std::vector<Unknown>& unknowns,
+                      const std::vector<Recording>& recordings) {
+  using dynamics::Effect;
+  const double sd_s = 0.5 / std::sqrt(3.0) * row_s(recordings.front());
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const Effect e = unknowns[i].effect;
+    if (unknowns[i].of_effect && !fit.at_bound[i] &&
+        (e == Effect::actuator_delay || e == Effect::actuator_lag || e == Effect::time_skew))
+      fit.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += sd_s * sd_s;
+  }
+}
+
 }  // namespace
 
 std::optional<std::vector<double>> begin_on_some(const model::Model& model,
@@ -543,6 +556,7 @@ Fit fit_by_simulation(const model::Model& model, const std::vector<Unknown>& unk
   require_finite(usable && std::isfinite(fit.squares), recordings, windows);
   fit.layers = layers;
   fit.covariance = jackknife_covariance(fit.shares, fit.at_bound, layers);
+  add_timing_doubt(fit, unknowns, recordings);
   return fit;
 }
 

@@ -171,6 +171,31 @@ TEST_CASE("A phase is told within half a turn of zero, from wherever its fit beg
   }
 }
 
+TEST_CASE("No delay of a drive is known better than when within a row its command came") {
+  constexpr double kRow_s = 0.002, kDelay_s = 0.012, kRowSd_s = 0.5 * kRow_s / 1.7320508;
+  std::vector<identify::Recording> recordings;
+  for (unsigned i = 0; i < 3; ++i) {
+    log::Log log = test::axis_log(95.0, 203.5, 1e-6, i);
+    // Told of commands before they acted.
+    std::vector<double>& force = log.columns["force_n"];
+    force.erase(force.begin(), force.begin() + std::lround(kDelay_s / kRow_s));
+    force.resize(log.columns["time_s"].size(), force.back());
+    recordings.push_back(identify::make_recording(log, dynamics::Kind::motor_axis));
+  }
+  const auto model = test::axis_model(95.0, 203.5);
+  const auto training = identify::training_windows(recordings, model, 0.5);
+  auto unknowns = identify::free_unknowns(model);
+  for (const auto& u :
+       identify::effect_unknowns(dynamics::Effect::actuator_delay, dynamics::Kind::motor_axis))
+    unknowns.push_back(u);
+  const auto fit = identify::fit_by_simulation(model, unknowns, {95.0, 203.5, 0.01}, recordings,
+                                               training.windows, identify::Weighting::noise, training.layers);
+  const auto delay = identify::parameter_verdicts(fit, unknowns).back();
+  CAPTURE(delay.value, delay.lower, delay.upper);
+  CHECK(delay.value == Approx(kDelay_s).margin(0.5 * kRow_s));
+  CHECK(0.5 * (delay.upper - delay.lower) == Approx(1.96 * kRowSd_s).epsilon(0.1));
+}
+
 TEST_CASE("A free swing tells gravity torque over inertia, not each") {
   // Small free swings of a pendulum, in closed form: theta = A cos(sqrt(G/I) t); no torque, so only G/I
   // matters.
