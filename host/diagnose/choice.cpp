@@ -34,10 +34,8 @@ double likeliest_early_rows(const model::Model& model, const DataSet& data, cons
   const auto left = [&](double early_rows) {
     const DataSet of = data.with_inputs(early_rows);
     const Trainer trainer{model, of.training(), of.training_windows(), threads};
-    const Hypothesis h = trainer.fit(effects, from);
-    const auto wider = effects.empty() ? trainer.widened(h) : std::nullopt;
     std::vector<double> squares;
-    for (const identify::WindowShare& s : (wider ? *wider : h).fit.shares)
+    for (const identify::WindowShare& s : trainer.fit(effects, from).fit.shares)
       squares.push_back(s[identify::Channel::motion].squares);
     return squares;
   };
@@ -105,7 +103,8 @@ bool is_late(const Hypothesis& h) {
 
 DataSet with_likelier_inputs(const model::Model& model, DataSet data, unsigned threads) {
   if (!has_drive(model.kind)) return data;
-  const double early_rows = likeliest_early_rows(model, data, {}, nullptr, threads);
+  // Beside dry friction, which nearly every drive has: without it, what it leaves would look as if inputs were early or late.
+  const double early_rows = likeliest_early_rows(model, data, {Effect::coulomb_friction}, nullptr, threads);
   return early_rows == data.early_rows() ? data : data.with_inputs(early_rows);
 }
 

@@ -11,7 +11,7 @@
 
 namespace furcula::diagnose {
 
-/// The data set with inputs that act by the share of a row early that leaves least with the re-fitted model, where the windows are sure of it.
+/// The data set with inputs that act by the share of a row early that leaves least with the re-fitted model and dry friction, where the windows are sure of it.
 DataSet with_likelier_inputs(const model::Model& model, DataSet data, unsigned threads);
 
 /// What select() chooses. `data` becomes the one that it was chosen on: with inputs read the other way where causes were why one way seemed

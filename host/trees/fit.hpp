@@ -31,6 +31,9 @@ struct Fit {
   /// Of the unknowns, those at a bound too, from the curvature of the loss alone: very large where nothing is told.
   Eigen::MatrixXd by_curvature;
   std::vector<bool> at_bound;
+  /// Of a time of one drive: what is not known of it because each drive may take its commands at a tick of its own. Intervals alone have it:
+  /// that the drive is late is told by the windows.
+  std::vector<double> tick_sd;
   std::vector<double> window_loss;  ///< of each window
   /// Loss of each fold at what the others alone would have made of the unknowns (by the linear problem), summed.
   double held_out_loss = 0.0;

@@ -14,6 +14,14 @@ constexpr double kOneForAnother = 0.999;
 /// Of the loss, what a change that matters makes less of is not seen at all.
 constexpr double kNothing = 1e-9;
 
+/// Whether it is late by one time with all inputs: it then has the part of a row in it that nobody knows.
+bool has_all_inputs(const TreeModel& model, const Cause& cause) {
+  if (cause.effect != Effect::time_skew && cause.effect != Effect::actuator_delay) return false;
+  Hypothesis alone{{}, model.causes};
+  alone.causes.push_back(cause);
+  return !inputs_may_be_late(model, alone);
+}
+
 /// Whether anything of the loss depends on it. What nothing depends on has no scatter either.
 bool is_told(const Fit& fit, const Products& p, std::size_t unknown) {
   const Unknown& u = fit.unknowns[unknown];
@@ -107,8 +115,8 @@ double variance_of(const Fit& fit, std::size_t unknown) {
 Interval interval_of(const Fit& fit, std::size_t unknown) {
   const Unknown& u = fit.unknowns[unknown];
   const auto i = static_cast<Eigen::Index>(unknown);
-  const double value = value_of(fit.at, u), curved = fit.by_curvature(i, i),
-               half = 1.96 * std::sqrt(std::max(variance_of(fit, unknown), curved));
+  const double value = value_of(fit.at, u), curved = fit.by_curvature(i, i), tick = fit.tick_sd[unknown],
+               half = 1.96 * std::sqrt(std::max(variance_of(fit, unknown), curved) + tick * tick);
   Interval out{std::max(value - half, std::min(u.lower, value)),
                std::min(value + half, std::max(u.upper, value))};
   for (std::size_t other = 0; other < fit.unknowns.size(); ++other) {
@@ -151,12 +159,7 @@ Away away_from_none(const TreeModel& model, const Fit& fit, std::size_t cause) {
 }
 
 double Problem::timing_doubt(const Cause& cause) const {
-  // One that has all drives has the part of a row in it that nobody knows.
-  if (cause.effect == Effect::time_skew || cause.effect == Effect::actuator_delay) {
-    Hypothesis alone{{}, model_.causes};
-    alone.causes.push_back(cause);
-    return inputs_may_be_late(model_, alone) ? 0.0 : kMostLate_rows / std::sqrt(3.0) * interval_s();
-  }
+  if (has_all_inputs(model_, cause)) return kMostLate_rows / std::sqrt(3.0) * interval_s();
   if (cause.effect != Effect::latch_delay && cause.effect != Effect::latch_offset) return 0.0;
   double sd_s = 0.0, rates = 0.0, stances = 0.0;
   for (const Recording& r : recordings_) {
@@ -180,11 +183,16 @@ void Problem::set_intervals(const Products& p, double ridge, Fit& out) const {
     if (!out.at_bound[k] && is_told(out, p, k)) inside.push_back(static_cast<Eigen::Index>(k + 1));
   }
   set_covariance(p, inside, ridge, out);
+  out.tick_sd.assign(out.unknowns.size(), 0.0);
   // All inputs, or all touch-downs, may be later, or earlier, by one time: no window tells.
   for (std::size_t k = 0; k < out.unknowns.size(); ++k) {
     const Unknown& u = out.unknowns[k];
     if (!u.of_cause || out.at_bound[k]) continue;
-    const double sd = timing_doubt(out.at.causes[u.cause]);
+    const Cause& cause = out.at.causes[u.cause];
+    if (cause.effect == Effect::actuator_lag ||
+        (cause.effect == Effect::actuator_delay && !has_all_inputs(model_, cause)))
+      out.tick_sd[k] = kMostLate_rows / std::sqrt(3.0) * interval_s();
+    const double sd = timing_doubt(cause);
     out.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)) += sd * sd;
   }
   set_by_curvature(p, std::max(1.0, out.loss / static_cast<double>(windows_.size() * bins_ * joints())), out);

@@ -131,6 +131,30 @@ TEST_CASE("A ripple's phase is told within half a turn of zero, from wherever it
   }
 }
 
+TEST_CASE("No delay of one drive is known better than the row in which it takes its commands") {
+  const trees::TreeModel model = test::double_pendulum();
+  trees::TreeModel truth = model;
+  truth.causes.push_back({Effect::actuator_delay, {1}, {0.02, 0, 0, 0}});
+  const auto all = recordings(model, test::logs(truth, 3, 6.0, 12));
+  trees::Problem problem(model, all, trees::windows_of(model, all, 0.3), 2);
+  const trees::Hypothesis from{model.drives, {{Effect::actuator_delay, {1}, {0.018, 0, 0, 0}}}};
+  problem.weigh(from);
+  const trees::Fit fit = problem.fit(from, 8);
+  const auto found = std::find_if(fit.unknowns.begin(), fit.unknowns.end(),
+                                  [](const trees::Unknown& u) { return u.of_cause; });
+  const auto k = static_cast<std::size_t>(found - fit.unknowns.begin());
+  const trees::Interval within = trees::interval_of(fit, k);
+  CAPTURE(fit.at.causes[0].values[0], within.lower, within.upper, problem.interval_s());
+  CHECK(within.lower < 0.02);
+  CHECK(within.upper > 0.02);
+  // Half a row to either side, each as likely.
+  const double of_row = 1.96 * 0.5 * problem.interval_s() / std::sqrt(3.0);
+  CHECK(0.5 * (within.upper - within.lower) > of_row);
+  CHECK(0.5 * (within.upper - within.lower) < 1.3 * of_row);
+  // That it is late at all the windows know as well as before.
+  CHECK(std::sqrt(trees::variance_of(fit, k)) < 0.5 * of_row);
+}
+
 TEST_CASE(
     "Dry friction swallows what a drive answers to a push on a joint that it holds, in motion it gains nothing") {
   const trees::TreeModel model = test::arm3("[free]\n\"damping_nmspr.elbow\" = [0.0, 1.0]\n");
