@@ -26,7 +26,8 @@ bool has_drive(dynamics::Kind kind) {
 constexpr double kMostEarly_rows = 0.5;
 
 /// The share of a row by which inputs act early that leaves least with these causes. What is left is nearly a parabola of it, of each window.
-/// As it is with `data` where the windows are not sure that less is left.
+/// Where the windows are not sure of it, what is usual: held inputs or measured ones, whichever leaves less; and where they are not sure of that
+/// either, what it is with `data`.
 double likeliest_early_rows(const model::Model& model, const DataSet& data, const EffectSet& effects,
                             const Hypothesis* from, unsigned threads) {
   constexpr double kSurely = 2.0;  // standard errors
@@ -52,16 +53,19 @@ double likeliest_early_rows(const model::Model& model, const DataSet& data, cons
   const double best = curve > 0.0 ? std::clamp(1.0 + 0.5 * (y0 - y2) / curve, 0.0, 2.0)
                       : y0 <= y2  ? 0.0
                                   : 2.0;
-  double gain = 0.0, scatter = 0.0;
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    const double more = at(held[i], between[i], measured[i], data.early_rows() / kStep) -
-                        at(held[i], between[i], measured[i], best);
-    gain += more;
-    scatter += more * more;
-  }
-  const bool surely =
-      gain > kSurely * std::sqrt(scatter * static_cast<double>(data.training_windows().layers));
-  return surely ? best * kStep : data.early_rows();
+  const auto surely_less = [&](double x, double than) {
+    double gain = 0.0, scatter = 0.0;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      const double more =
+          at(held[i], between[i], measured[i], than) - at(held[i], between[i], measured[i], x);
+      gain += more;
+      scatter += more * more;
+    }
+    return gain > kSurely * std::sqrt(scatter * static_cast<double>(data.training_windows().layers));
+  };
+  const double usual = y0 <= y2 ? 0.0 : 2.0, now = data.early_rows() / kStep,
+               likeliest = surely_less(best, usual) ? best : usual;
+  return surely_less(likeliest, now) ? likeliest * kStep : data.early_rows();
 }
 
 /// Lowers the bound to what `h` leaves of most windows; whether that is clearly less.
@@ -103,6 +107,8 @@ bool is_late(const Hypothesis& h) {
 
 DataSet with_likelier_inputs(const model::Model& model, DataSet data, unsigned threads) {
   if (!has_drive(model.kind)) return data;
+  const Trainer trainer{model, data.training(), data.training_windows(), threads};
+  if (trainer.widened(trainer.fit({}, nullptr))) return data;  // bounds exclude what the recordings say
   // Beside dry friction, which nearly every drive has: without it, what it leaves would look as if inputs were early or late.
   const double early_rows = likeliest_early_rows(model, data, {Effect::coulomb_friction}, nullptr, threads);
   return early_rows == data.early_rows() ? data : data.with_inputs(early_rows);
